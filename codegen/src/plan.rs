@@ -1,0 +1,219 @@
+//! Stage 4: equations -> functions as ordered, named scalar steps.
+//!
+//! A plan holds no tokens and no language, and nothing in it assumes f64. Printers (`emit`) and the interpreter
+//! (`plan::eval`) walk it and decide nothing.
+
+/// All functions of one robot.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Named numbers of the table (`D1`, `A2`, ...), in the order of the rows.
+    pub constants: Vec<Constant>,
+    /// In the order in which they are printed.
+    pub functions: Vec<Function>,
+}
+
+/// A named number of the table or one folded from them.
+#[derive(Debug, Clone)]
+pub struct Constant {
+    /// Lower-case name as the field writes it: `d1`, `a2`, `ca3`.
+    pub name: String,
+    /// SI.
+    pub value: f64,
+    /// What it is and where it stands: "link length of joint 2, table line 31".
+    pub note: String,
+}
+
+/// Index into [`Plan::constants`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ConstantId(pub usize);
+
+/// Index into [`Function::values`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ValueId(pub usize);
+
+/// What a function computes; decides its signature and what its outputs mean.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum FunctionKind {
+    /// q -> pose of the tool frame in the base frame. 12 outputs: the rows of `[R | p]`.
+    Fk,
+    /// The same without `[tool]`.
+    FkFlange,
+    /// q -> 6 x N geometric Jacobian. 6 N outputs, column after column: vx vy vz wx wy wz.
+    Jacobian,
+    /// q -> pose and Jacobian. 12 + 6 N outputs.
+    FkJacobian,
+    /// q -> the frame of every row, base first. 12 (rows + 1) outputs.
+    Frames,
+    /// Target -> joint variables, by nested solving; no outputs, [`Step::Accept`] instead. Index into
+    /// `Model::problems`, or `None` for the full pose.
+    Inverse(Option<usize>),
+}
+
+/// One function: straight-line steps, or nested ones for inverse problems.
+#[derive(Debug, Clone)]
+pub struct Function {
+    /// What it computes.
+    pub kind: FunctionKind,
+    /// Names of all values, inputs first. Forward functions: `q1` ... `qN`. Inverse: the target's numbers, see
+    /// [`target_inputs`].
+    pub values: Vec<String>,
+    /// How many of `values` are inputs.
+    pub inputs: usize,
+    /// What is computed, in order.
+    pub steps: Vec<Step>,
+    /// Results of forward functions.
+    pub outputs: Vec<Scalar>,
+    /// Operations besides constants.
+    pub counts: Counts,
+    /// Inverse problems: the solving steps in order, for docs and errors.
+    pub stages: Vec<Stage>,
+}
+
+/// Names of the numbers that a target is made of, in the order in which they are inputs.
+pub fn target_inputs(target: crate::model::Target) -> &'static [&'static str] {
+    use crate::model::Target;
+    match target {
+        Target::Pose => &["r11", "r12", "r13", "px", "r21", "r22", "r23", "py", "r31", "r32", "r33", "pz"],
+        Target::Position | Target::Lookat => &["px", "py", "pz"],
+        Target::PositionDirection | Target::Ray => &["px", "py", "pz", "zx", "zy", "zz"],
+        Target::PositionYaw => &["px", "py", "pz", "cyaw", "syaw"],
+        Target::Rotation => &["r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"],
+        Target::Direction => &["zx", "zy", "zz"],
+        Target::Xy => &["px", "py"],
+        Target::XyYaw => &["px", "py", "cyaw", "syaw"],
+    }
+}
+
+/// Operation counts of a function, of what is left after constants are folded.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Multiplications (and divisions).
+    pub mul: usize,
+    /// Additions and subtractions.
+    pub add: usize,
+    /// Sine-cosine pairs.
+    pub sincos: usize,
+    /// Additions in the arguments of sines and cosines.
+    pub angle_add: usize,
+}
+
+/// A step of a function.
+#[derive(Debug, Clone)]
+pub enum Step {
+    /// `name = value`.
+    Let {
+        /// What is defined.
+        name: ValueId,
+        /// Its definition.
+        value: Scalar,
+    },
+    /// `(sin, cos) = sincos(angle)`.
+    SinCos {
+        /// Sine.
+        sin: ValueId,
+        /// Cosine.
+        cos: ValueId,
+        /// Argument (rad).
+        angle: Scalar,
+    },
+    /// For every root of an equation: the steps of `body`. The index of the stage is into [`Function::stages`].
+    Solve {
+        /// Which stage.
+        stage: usize,
+        /// The unknown, defined inside `body`.
+        root: ValueId,
+        /// The equation.
+        equation: Equation,
+        /// What follows for each root.
+        body: Vec<Step>,
+    },
+    /// A candidate: the joint variables q, one a joint (not yet wrapped into (-pi, pi], nor checked).
+    Accept {
+        /// One a joint.
+        q: Vec<Scalar>,
+    },
+}
+
+/// An equation in one unknown x, with known coefficients.
+#[derive(Debug, Clone)]
+pub enum Equation {
+    /// a cos x + b sin x = c: two roots.
+    Trig {
+        /// Coefficient of the cosine.
+        a: Scalar,
+        /// Coefficient of the sine.
+        b: Scalar,
+        /// Right-hand side.
+        c: Scalar,
+    },
+    /// a1 cos x + b1 sin x = c1 and a2 cos x + b2 sin x = c2: one root.
+    TrigPair {
+        /// First equation: a, b, c.
+        first: [Scalar; 3],
+        /// Second equation: a, b, c.
+        second: [Scalar; 3],
+    },
+    /// a x = c: one root.
+    Linear {
+        /// Coefficient.
+        a: Scalar,
+        /// Right-hand side.
+        c: Scalar,
+    },
+    /// a x^2 + b x + c = 0: two roots.
+    Quadratic {
+        /// Coefficient of the square.
+        a: Scalar,
+        /// Coefficient of x.
+        b: Scalar,
+        /// Constant.
+        c: Scalar,
+    },
+}
+
+/// What one solving step finds, for docs, traces and errors.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    /// Bit i is set where theta (or d) of row i is part of the unknown.
+    pub rows: u32,
+    /// Name of the unknown: `theta1`, `theta23` (a sum), `d3`.
+    pub unknown: String,
+    /// Whether the coefficients are lengths, areas or ratios; gives tolerances and the excess of errors their scale.
+    pub measure: Measure,
+    /// The equation as text, for the generated comments: "px s1 - py c1 = d4".
+    pub equation: String,
+    /// Where it comes from: "row 2 of the position in frame 1".
+    pub origin: String,
+}
+
+/// Dimension of the coefficients of an equation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// Dimensionless.
+    Ratio,
+    /// m
+    Length,
+    /// m^2
+    Area,
+}
+
+/// A scalar expression; a tree, since what is shared has a name of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Scalar {
+    /// A named value.
+    Value(ValueId),
+    /// A named number of the table.
+    Constant(ConstantId),
+    /// A number, as the f64 nearest to the exact one.
+    Number(f64),
+    /// -x
+    Neg(Box<Scalar>),
+    /// x + y
+    Add(Box<Scalar>, Box<Scalar>),
+    /// x - y
+    Sub(Box<Scalar>, Box<Scalar>),
+    /// x y
+    Mul(Box<Scalar>, Box<Scalar>),
+    /// x / y
+    Div(Box<Scalar>, Box<Scalar>),
+}
