@@ -1,1 +1,6 @@
-//! To be written.
+//! The compiler from Denavit-Hartenberg tables to kinematics code.
+//!
+//! Modules in the order in which the data flows.
+
+/// Stage 2: rows -> a checked robot in SI units.
+pub mod model;

@@ -5,6 +5,14 @@
 
 use std::ops::Range;
 
+mod angle;
+/// Fixed transforms between joints.
+pub mod chain;
+mod recentre;
+
+pub use angle::EXACT_ANGLE_TOLERANCE;
+pub use chain::Chain;
+
 /// Byte range in the table's text.
 pub type Span = Range<usize>;
 
@@ -45,6 +53,13 @@ pub struct Model {
     pub device: Option<Device>,
     /// A hash of everything in the table that changes what is computed or sent (not of comments or layout).
     pub fingerprint: u64,
+}
+
+impl Model {
+    /// The robot as fixed transforms between joints, axes recentred where the table needs it.
+    pub fn chain(&self) -> Chain {
+        chain::build(self.convention, &self.rows, &self.base, &self.tool)
+    }
 }
 
 /// Denavit-Hartenberg convention.
