@@ -4,3 +4,5 @@
 
 /// Stage 2: rows -> a checked robot in SI units.
 pub mod model;
+/// Stage 3: model -> equations.
+pub mod symbolic;
