@@ -4,3 +4,7 @@
 
 /// Stage 2: rows -> a checked robot in SI units.
 pub mod model;
+/// Stage 3: model -> equations.
+pub mod symbolic;
+/// Stage 4: equations -> functions as ordered, named scalar steps.
+pub mod plan;

@@ -1,9 +1,9 @@
 //! The robot as groups of parallel joints with fixed transforms between them, its numbers as expressions.
 
 use super::angle::{AngleForm, Turn};
-use super::expression::{Arena, Expr, Leaf};
+use super::expression::{Arena, Leaf};
 use super::transform::{self, Rigid, Vec3};
-use crate::model::chain::{Element, Link};
+use crate::model::chain::Element;
 use crate::model::{JointKind, Model};
 
 /// All joints of a robot, base to tip.
@@ -37,37 +37,42 @@ pub struct Joint {
     pub suffix: String,
     /// Whether the axis points against the axis of the group, and with it the frame behind the joint.
     pub flipped: bool,
+    /// A prismatic joint's own slide; zero for a revolute one.
+    pub slide: Vec3,
     /// From this joint's origin to the next one of the group, its own slide included.
     pub offset: Vec3,
 }
 
-/// Writes the robot's links as expressions. `with_tool` false leaves `[tool]` out.
+/// Writes the robot's links as expressions; `with_tool` false leaves `[tool]` out.
 pub fn build(arena: &mut Arena, model: &Model, with_tool: bool) -> Chain {
+    let plain = model.chain();
+    let last = plain.joints.len();
+    let mut before = rigid(arena, plain.links.first().map_or(&[][..], |link| &link.elements));
     let mut groups: Vec<Group> = Vec::new();
-    let links = model.links(with_tool);
-    let mut before = links.first().map_or_else(|| transform::identity(arena), |link| rigid(arena, link));
     let mut run = Run::start();
     let mut continues = false;
-    for (&row, link) in model.moving_rows().iter().zip(links.iter().skip(1)) {
+    for (index, joint) in plain.joints.iter().enumerate() {
         if !continues {
             groups.push(Group { before, joints: Vec::new() });
             run = Run::start();
         }
-        let mut joint = run.joint(arena, model, row);
-        let axial = axial(link);
-        match axial {
-            Some(step) => {
-                let link = rigid(arena, link);
-                let offset = if joint.flipped { transform::flip(arena, link.translation) } else { link.translation };
-                joint.offset = transform::add(arena, joint.offset, offset);
-                run.pass(&step);
-                before = transform::identity(arena);
-            }
-            None => before = rigid(arena, link),
+        let mut member = run.joint(arena, model, joint.row);
+        let link = plain.links.get(index + 1);
+        let elements = link.map_or(&[][..], |link| match link.elements.get(..link.flange) {
+            Some(flange) if !with_tool => flange,
+            _ => &link.elements,
+        });
+        before = rigid(arena, elements);
+        let axial = if index + 1 < last { axial(elements) } else { None };
+        if let Some(step) = &axial {
+            let offset = before.translation;
+            let offset = if member.flipped { transform::flip(arena, offset) } else { offset };
+            member.offset = transform::add(arena, member.offset, offset);
+            run.pass(step);
         }
         continues = axial.is_some();
         if let Some(group) = groups.last_mut() {
-            group.joints.push(joint);
+            group.joints.push(member);
         }
     }
     Chain { groups, tip: before }
@@ -107,7 +112,7 @@ impl Run {
     }
 
     fn here(&self, row: usize, kind: JointKind, offset: Vec3) -> Joint {
-        Joint { row, kind, turn: self.turn.clone(), suffix: suffix(&self.rows), flipped: self.flipped, offset }
+        Joint { row, kind, turn: self.turn.clone(), suffix: suffix(&self.rows), flipped: self.flipped, slide: offset, offset }
     }
 
     fn pass(&mut self, step: &Axial) {
@@ -145,9 +150,9 @@ struct Axial {
     flips: bool,
 }
 
-fn axial(link: &Link) -> Option<Axial> {
+fn axial(elements: &[Element]) -> Option<Axial> {
     let mut found = Axial { turn: Turn::ZERO, flips: false };
-    for element in &link.elements {
+    for element in elements {
         match element {
             Element::Translate { .. } => {}
             Element::Matrix { .. } => return None,
@@ -169,9 +174,10 @@ fn axial(link: &Link) -> Option<Axial> {
     Some(found)
 }
 
-fn rigid(arena: &mut Arena, link: &Link) -> Rigid {
+/// The product of elementary transforms.
+pub fn rigid(arena: &mut Arena, elements: &[Element]) -> Rigid {
     let mut frame = transform::identity(arena);
-    for element in &link.elements {
+    for element in elements {
         let step = element_rigid(arena, element);
         frame = transform::compose(arena, &frame, &step);
     }
@@ -182,7 +188,7 @@ fn element_rigid(arena: &mut Arena, element: &Element) -> Rigid {
     let mut step = transform::identity(arena);
     match element {
         Element::Translate { axis, value, name, note } => {
-            let length = parameter(arena, name, *value, note);
+            let length = arena.parameter(name, *value, note);
             if let Some(entry) = step.translation.get_mut(*axis) {
                 *entry = length;
             }
@@ -195,16 +201,10 @@ fn element_rigid(arena: &mut Arena, element: &Element) -> Rigid {
         Element::Matrix { rows, name, note } => {
             for (i, (row, numbers)) in step.rotation.iter_mut().zip(rows).enumerate() {
                 for (j, (entry, number)) in row.iter_mut().zip(numbers).enumerate() {
-                    *entry = parameter(arena, &format!("{name}{}{}", i + 1, j + 1), *number, note);
+                    *entry = arena.parameter(&format!("{name}{}{}", i + 1, j + 1), *number, note);
                 }
             }
         }
     }
     step
-}
-
-/// Lengths are parameters with names; a negative one is the negative of a positive parameter nowhere, so that a
-/// printed `d4` always has the table's sign.
-fn parameter(arena: &mut Arena, name: &str, value: f64, note: &str) -> Expr {
-    arena.parameter(name, value, note)
 }

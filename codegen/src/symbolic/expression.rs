@@ -287,6 +287,12 @@ impl Arena {
         (products, sums)
     }
 
+    /// The sum of [`Arena::operations`].
+    pub fn operation_count(&self, roots: &[Expr]) -> usize {
+        let (products, sums) = self.operations(roots);
+        products + sums
+    }
+
     fn as_number(&self, x: Expr) -> Option<Number> {
         match self.node(x) {
             Node::Number(number) => Some(number),

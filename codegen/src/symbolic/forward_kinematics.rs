@@ -4,9 +4,11 @@
 //! be multiplied from the base, from the tip, or from both ends to somewhere in between; which is least work depends
 //! on the arm, so all are tried and counted.
 
-use super::chain::{Chain, Group, Joint};
+use super::chain::{self, Chain, Group, Joint};
 use super::expression::{Arena, Expr};
 use super::transform::{self, Mat3, Rigid, Vec3};
+use crate::model::Model;
+use crate::model::chain::Link;
 
 /// What the walk from the tip leaves behind at one group, in the axes of the frame before the group.
 #[derive(Debug, Clone)]
@@ -61,6 +63,58 @@ pub fn prefix(arena: &mut Arena, chain: &Chain, split: usize) -> Rigid {
         }
     }
     frame
+}
+
+/// The frames of the base and of every row in the base frame, base first.
+///
+/// Joints are walked from the base; inside a group each frame is reached from the group's own, so that parallel axes
+/// keep their merged angles.
+pub fn frames(arena: &mut Arena, model: &Model) -> Vec<Rigid> {
+    let chain = chain::build(arena, model, false);
+    let plain = model.chain();
+    let mut frames = Vec::new();
+    let identity = transform::identity(arena);
+    if let Some(link) = plain.links.first() {
+        row_frames(arena, link, &identity, &mut frames);
+    }
+    let mut links = plain.links.iter().skip(1);
+    for (index, group) in chain.groups.iter().enumerate() {
+        let before = prefix(arena, &chain, index);
+        for (count, joint) in group.joints.iter().enumerate() {
+            let origin = behind(arena, &before, group, count);
+            let turned = Rigid { rotation: turn_of(arena, joint), translation: joint.slide };
+            let frame = joint_frame(arena, &before, &origin, &turned);
+            if let Some(link) = links.next() {
+                row_frames(arena, link, &frame, &mut frames);
+            }
+        }
+    }
+    frames.sort_by_key(|(row, _)| *row);
+    frames.into_iter().map(|(_, frame)| frame).collect()
+}
+
+/// The frame just behind a joint: its origin moved by the joint's slide, its axes those of the turned frame.
+fn joint_frame(arena: &mut Arena, before: &Rigid, origin: &Rigid, turned: &Rigid) -> Rigid {
+    let moved = transform::apply(arena, &before.rotation, turned.translation);
+    let translation = transform::add(arena, origin.translation, moved);
+    Rigid { rotation: transform::product(arena, &before.rotation, &turned.rotation), translation }
+}
+
+/// The table's frames that stand in a link, from the frame where the link begins. The base is before row 0.
+fn row_frames(arena: &mut Arena, link: &Link, start: &Rigid, found: &mut Vec<(Option<usize>, Rigid)>) {
+    for mark in &link.frames {
+        let elements = link.elements.get(..mark.after).unwrap_or(&link.elements);
+        let step = chain::rigid(arena, elements);
+        let mut frame = transform::compose(arena, start, &step);
+        if mark.along_z != 0.0 {
+            let row = mark.row.map_or(0, |row| row + 1);
+            let zero = arena.zero();
+            let along = arena.parameter(&format!("along{row}"), mark.along_z, "from the recentred origin to the table's");
+            let moved = transform::apply(arena, &frame.rotation, [zero, zero, along]);
+            frame.translation = transform::add(arena, frame.translation, moved);
+        }
+        found.push((mark.row, frame));
+    }
 }
 
 /// The frame behind the first `count` joints of a group (slide and link offset of the last one included), from the

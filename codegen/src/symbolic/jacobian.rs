@@ -13,10 +13,28 @@ use crate::model::{JointKind, Model};
 /// Velocity and angular velocity of a row's joint.
 type Twist = (Vec3, Vec3);
 
-/// The columns, one a joint variable: vx vy vz wx wy wz. `tool` is the tool frame built before.
-pub fn columns(arena: &mut Arena, chain: &Chain, model: &Model, tool: &Rigid) -> Vec<[Expr; 6]> {
-    let twists = twists(arena, chain, tool);
-    (0..model.joints.len()).map(|variable| column(arena, model, &twists, variable)).collect()
+/// The columns, one a joint variable: vx vy vz wx wy wz. `tool` is the tool frame built before, and `wanted` what of
+/// it is among the results, and so costs nothing more.
+pub fn columns(
+    arena: &mut Arena,
+    chain: &Chain,
+    model: &Model,
+    tool: &Rigid,
+    wanted: &[Expr],
+) -> Vec<[Expr; 6]> {
+    let uniform = ROUTES.map(Some);
+    let plans = [None].into_iter().chain(uniform);
+    let mut best: Option<(usize, Vec<[Expr; 6]>)> = None;
+    for plan in plans {
+        let twists = twists(arena, chain, tool, wanted, plan);
+        let columns: Vec<_> =
+            (0..model.joints.len()).map(|variable| column(arena, model, &twists, variable)).collect();
+        let cost = arena.operation_count(&[wanted, &columns.concat()].concat());
+        if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+            best = Some((cost, columns));
+        }
+    }
+    best.map(|(_, columns)| columns).unwrap_or_default()
 }
 
 /// A variable moves every row that it is coupled to.
@@ -45,14 +63,25 @@ fn factor(arena: &mut Arena, row: usize, variable: usize, coefficient: f64) -> E
     }
 }
 
-fn twists(arena: &mut Arena, chain: &Chain, tool: &Rigid) -> Vec<(usize, Twist)> {
+/// By one pair of routes for all joints, or by the cheapest one for each in turn.
+fn twists(
+    arena: &mut Arena,
+    chain: &Chain,
+    tool: &Rigid,
+    wanted: &[Expr],
+    routes: Option<(Route, Route)>,
+) -> Vec<(usize, Twist)> {
     let suffixes = forward::suffixes(arena, chain, 0);
     let mut found = Vec::new();
-    for (index, group) in chain.groups.iter().enumerate() {
-        let Some(suffix) = suffixes.get(index) else { continue };
+    let mut wanted = wanted.to_vec();
+    for (index, (group, suffix)) in chain.groups.iter().zip(&suffixes).enumerate() {
         for (count, (joint, arm)) in group.joints.iter().zip(&suffix.arms).enumerate() {
             let way = Way { chain, group: index, count, tool };
-            let twist = cheapest(arena, &way, joint, *arm);
+            let twist = match routes {
+                Some(routes) => twist(arena, &way, joint, *arm, routes),
+                None => cheapest(arena, &way, joint, *arm, &wanted),
+            };
+            wanted.extend([twist.0, twist.1].concat());
             found.push((joint.row, twist));
         }
     }
@@ -68,60 +97,60 @@ struct Way<'a> {
 }
 
 /// The ways into base axes.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Route {
     /// Turned outward, joint by joint.
     Outward,
     /// By the product of all rotations before.
     Matrix,
-    /// z x (p - o) in base axes.
+    /// z x (p - o) in base axes; only for the velocity.
     Cross,
 }
 
-fn cheapest(arena: &mut Arena, way: &Way<'_>, joint: &Joint, arm: Vec3) -> Twist {
-    let cost = |route: Route| {
-        let mut trial = arena.clone();
-        let before = trial.len();
-        let _ = twist(&mut trial, way, joint, arm, route);
-        trial.operations_since(before)
-    };
-    let routes = [Route::Outward, Route::Matrix, Route::Cross];
-    let costs = routes.map(cost);
-    let least = costs.iter().copied().min();
-    let route = routes.into_iter().zip(costs).find(|(_, cost)| Some(*cost) == least);
-    twist(arena, way, joint, arm, route.map_or(Route::Outward, |(route, _)| route))
+/// Routes of the axis and of the velocity.
+const ROUTES: [(Route, Route); 6] = [
+    (Route::Outward, Route::Outward),
+    (Route::Outward, Route::Matrix),
+    (Route::Outward, Route::Cross),
+    (Route::Matrix, Route::Outward),
+    (Route::Matrix, Route::Matrix),
+    (Route::Matrix, Route::Cross),
+];
+
+fn cheapest(arena: &mut Arena, way: &Way<'_>, joint: &Joint, arm: Vec3, wanted: &[Expr]) -> Twist {
+    let trials = ROUTES.map(|routes| {
+        let twist = twist(arena, way, joint, arm, routes);
+        (arena.operation_count(&[wanted, &twist.0, &twist.1].concat()), twist)
+    });
+    let [first, ..] = trials;
+    let least = trials.into_iter().reduce(|best, trial| if trial.0 < best.0 { trial } else { best });
+    least.unwrap_or(first).1
 }
 
-fn twist(arena: &mut Arena, way: &Way<'_>, joint: &Joint, arm: Vec3, route: Route) -> Twist {
+fn twist(arena: &mut Arena, way: &Way<'_>, joint: &Joint, arm: Vec3, (angular, linear): (Route, Route)) -> Twist {
     let (zero, one) = (arena.zero(), arena.one());
-    let along = if way.axis_flipped() { arena.neg(one) } else { one };
-    let axis = [zero, zero, along];
+    let along = if joint.flipped { arena.neg(one) } else { one };
+    let axis = way.route(arena, angular, [zero, zero, along]);
+    if joint.kind == JointKind::Prismatic {
+        return (axis, [zero; 3]);
+    }
+    if linear == Route::Cross {
+        let origin = way.origin(arena);
+        let arm = transform::sub(arena, way.tool.translation, origin);
+        return (transform::cross(arena, axis, arm), axis);
+    }
     let [x, y, _] = arm;
     let around = [arena.neg(y), x, zero].map(|entry| arena.mul(along, entry));
-    let mut outward = |arena: &mut Arena, v: Vec3| match route {
-        Route::Outward | Route::Cross => way.outward(arena, v),
-        Route::Matrix => {
-            let frame = forward::prefix(arena, way.chain, way.group);
-            transform::apply(arena, &frame.rotation, v)
-        }
-    };
-    let axis = outward(arena, axis);
-    match (joint.kind, route) {
-        (JointKind::Prismatic, _) => (axis, [zero; 3]),
-        (JointKind::Revolute, Route::Cross) => {
-            let origin = way.origin(arena);
-            let arm = transform::sub(arena, way.tool.translation, origin);
-            (transform::cross(arena, axis, arm), axis)
-        }
-        (JointKind::Revolute, _) => (outward(arena, around), axis),
-    }
+    (way.route(arena, linear, around), axis)
 }
 
 impl Way<'_> {
-    /// Whether the joint's own axis points against its group's: so does the frame behind the joint before it.
-    fn axis_flipped(&self) -> bool {
-        let joints = self.chain.groups.get(self.group).map_or(&[][..], |group| &group.joints);
-        joints.get(self.count).is_some_and(|joint| joint.flipped)
+    fn route(&self, arena: &mut Arena, route: Route, v: Vec3) -> Vec3 {
+        if route == Route::Outward {
+            return self.outward(arena, v);
+        }
+        let frame = forward::prefix(arena, self.chain, self.group);
+        transform::apply(arena, &frame.rotation, v)
     }
 
     /// From the axes of the frame before the group into base axes.
