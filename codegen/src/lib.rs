@@ -8,3 +8,5 @@ pub mod model;
 pub mod symbolic;
 /// Stage 4: equations -> functions as ordered, named scalar steps.
 pub mod plan;
+/// Stage 5: printers.
+pub mod emit;

@@ -23,9 +23,8 @@ mod text;
 pub use names::struct_name;
 pub use stub::{Outline, stub};
 
-use crate::model::{JointKind, Model};
+use crate::model::Model;
 use crate::plan::{ConstantId, Function, FunctionKind, Plan};
-use body::scope;
 use liveness::Live;
 use names::Names;
 use number::number;
@@ -138,7 +137,7 @@ impl<'a> Printer<'a> {
         let struct_name = options.name.clone().unwrap_or_else(|| struct_name(&model.name));
         let mut names = Names::new(reserved(&struct_name, &options.generics));
         let constants = plan.constants.iter().map(|constant| names.constant(&constant.name)).collect();
-        let privates = ["REACH", "KINDS"].map(|name| (name, names.constant(name)));
+        let privates = ["REACH", "WINDINGS"].map(|name| (name, names.constant(name)));
         let paths = Paths::new(style, &struct_name);
         Self { model, plan, options, struct_name, paths, constants, privates }
     }
@@ -165,11 +164,17 @@ impl<'a> Printer<'a> {
         self.tables(&mut text);
         self.forward_methods(&mut text);
         self.inverse_methods(&mut text);
+        if self.is_complete() {
+            self.mounting(&mut text);
+        }
         text.close("}");
         text.gap();
         self.forward_functions(&mut text);
+        self.tool_point(&mut text);
         self.inverse_functions_text(&mut text);
-        self.kinematics(&mut text);
+        if self.is_complete() {
+            self.kinematics(&mut text);
+        }
         text.into_string()
     }
 
@@ -189,23 +194,7 @@ impl<'a> Printer<'a> {
         }
         let reach = number(self.model.reach(), self.options.scalar, &self.paths);
         text.line(format!("const {}: {} = {reach}; // bound on the distance of the tool point", self.private("REACH"), self.scalar()));
-        if self.inverse_functions().next().is_some() {
-            let kind = self.paths.runtime("JointKind");
-            text.line(format!("const {}: [{kind}; {}] = {};", self.private("KINDS"), self.dof(), self.kinds(&kind)));
-        }
-    }
-
-    /// Kinds of the joints, as an array.
-    fn kinds(&self, kind: &str) -> String {
-        let kinds: Vec<_> = self.joint_kinds().map(|joint| format!("{kind}::{joint:?}")).collect();
-        match kinds.first() {
-            Some(first) if kinds.iter().all(|kind| kind == first) => format!("[{first}; {}]", kinds.len()),
-            _ => format!("[{}]", kinds.join(", ")),
-        }
-    }
-
-    fn joint_kinds(&self) -> impl Iterator<Item = JointKind> {
-        self.model.joints.iter().filter_map(|row| self.model.rows.get(*row)).map(|row| row.kind)
+        self.windings(text);
     }
 
     fn find(&self, kind: &FunctionKind) -> Option<&'a Function> {
@@ -264,7 +253,7 @@ impl<'a> Printer<'a> {
 
     /// Names that are taken inside every function.
     fn scope(&self) -> Names {
-        scope(self.constants.iter().chain(self.privates.iter().map(|(_, name)| name)))
+        Names::new(self.constants.iter().chain(self.privates.iter().map(|(_, name)| name)).map(String::as_str))
     }
 }
 

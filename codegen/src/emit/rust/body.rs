@@ -5,7 +5,7 @@ use super::layout::{Expression, statement};
 use super::liveness::{Live, coefficients};
 use super::names::Names;
 use super::text::Text;
-use crate::plan::{Equation, Function, FunctionKind, Plan, Scalar, Stage, Step, ValueId};
+use crate::plan::{Equation, Function, FunctionKind, Scalar, Step, ValueId};
 
 /// A function under print.
 pub(super) struct Body<'a> {
@@ -93,18 +93,7 @@ impl Body<'_> {
     }
 
     /// The name of a value, or `_` for one that nothing reads.
-    fn name(&self, id: ValueId) -> &str {
+    pub(super) fn name(&self, id: ValueId) -> &str {
         if self.live.value(id) { self.leaves.values.get(id.0).map_or("_", String::as_str) } else { "_" }
     }
-}
-
-/// Names that are taken in every function of a plan: those of its constants.
-pub(super) fn scope(constants: &[String]) -> Names {
-    Names::new(constants.iter().map(String::as_str))
-}
-
-/// Whether a stage's unknown is a length: some row of it is prismatic.
-pub(super) fn is_length(stage: &Stage, plan: &Plan, prismatic: u32) -> bool {
-    let _ = plan;
-    stage.rows & prismatic != 0
 }

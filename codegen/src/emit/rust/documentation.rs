@@ -142,7 +142,7 @@ fn placed(placement: &Placement, units: Units) -> Option<String> {
     }
     match &placement.rotation {
         Rotation::Rpy(rpy) if rpy.iter().any(|a| !a.is_zero()) => {
-            parts.push(format!("roll pitch yaw {}", [0, 1, 2].map(|i: usize| angle(rpy[i].value, units)).join(" ")));
+            parts.push(format!("roll pitch yaw {}", rpy.map(|turn| angle(turn.value, units)).join(" ")));
         }
         Rotation::Rpy(_) => {}
         Rotation::Matrix(rows) => {

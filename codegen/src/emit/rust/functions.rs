@@ -7,7 +7,7 @@ use super::layout::{Expression, statement};
 use super::liveness::Live;
 use super::text::Text;
 use super::{Printer, Types};
-use crate::plan::{Function, FunctionKind, Scalar, ValueId};
+use crate::plan::{Function, FunctionKind, ValueId};
 
 /// More lines than this and clippy asks for a reason.
 const MANY_LINES: usize = 90;
@@ -33,6 +33,15 @@ impl<'a> Printer<'a> {
                 self.forward_function(text, function);
             }
         }
+    }
+
+    /// What rules ask for.
+    pub(super) fn tool_point(&self, text: &mut Text) {
+        text.gap();
+        text.line("/// Where the tool point is (m).");
+        text.open(format!("fn tool_point(q: &{}) -> [{}; 3] {{", self.joints_type(), self.scalar()));
+        text.line("forward_kinematics(q).translation");
+        text.close("}");
     }
 
     fn forward_function(&self, text: &mut Text, function: &'a Function) {
@@ -132,7 +141,7 @@ impl<'a> Printer<'a> {
         let violations = format!("{}<'static{}>", self.paths.runtime("Violations"), self.scalar_argument(", "));
         let result = self.paths.prelude("Result");
         text.open(format!("pub fn check(&self, q: &{q}) -> {result}<(), {violations}> {{"));
-        text.line("Self::RULES.check(q, forward_kinematics(q).translation)");
+        text.line("Self::RULES.check(q, tool_point(q))");
         text.close("}");
     }
 
@@ -200,6 +209,3 @@ impl<'a> Printer<'a> {
 fn columns(entries: &[Expression]) -> Expression {
     Expression::Array(entries.chunks(6).map(|column| Expression::Array(column.to_vec())).collect())
 }
-
-/// Candidates of forward functions: there are none.
-pub(super) fn no_candidates(_: &mut Text, _: &[Scalar]) {}

@@ -20,6 +20,8 @@ pub(super) enum Expression {
     Binary(Operator, Box<Expression>, Box<Expression>),
     /// `[x, y, ..]`
     Array(Vec<Expression>),
+    /// `(x, y)`, always over several lines.
+    Tuple(Vec<Expression>),
     /// `f(x, y, ..)`
     Call(String, Vec<Expression>),
     /// `S { field: x, .. }`, always over several lines.
@@ -65,6 +67,7 @@ impl Expression {
                 format!("{left} {} {right}", operator.symbol())
             }
             Self::Array(items) => format!("[{}]", list(items)),
+            Self::Tuple(items) => format!("({})", list(items)),
             Self::Call(function, arguments) => format!("{function}({})", list(arguments)),
             Self::Struct(name, fields) => {
                 let fields: Vec<_> = fields.iter().map(|(field, value)| format!("{field}: {}", value.flat())).collect();
@@ -80,6 +83,7 @@ impl Expression {
         match self {
             Self::Atom(_) => flat,
             Self::Struct(name, fields) => struct_lines(name, fields, indent),
+            Self::Tuple(items) => bracketed("(", items, ")", indent),
             Self::Array(items) if !fits || flat.len() - 2 > SHORT => bracketed("[", items, "]", indent),
             Self::Call(function, arguments) if !fits || flat.len() - function.len() - 2 > SHORT => {
                 if let [Self::Array(items)] = &arguments[..] {

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 /// What the printer itself calls things inside a generated function, and what it calls there.
-const OURS: [&str; 17] = [
+const OURS: [&str; 19] = [
     "q",
     "target",
     "search",
@@ -18,6 +18,8 @@ const OURS: [&str; 17] = [
     "geometric_jacobian",
     "pose_and_jacobian",
     "row_frames",
+    "tool_point",
+    "conditions",
     "rules",
     "seed",
     "free",

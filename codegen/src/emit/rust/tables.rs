@@ -63,19 +63,27 @@ impl Printer<'_> {
                 let (min, max) = (numbers.array(&keep.min), numbers.array(&keep.max));
                 format!("{}::new({min}, {max})", self.paths.runtime("KeepOut"))
             });
-            let windings = model.windings.iter().map(|winding| {
-                let (turn, carries) = (numbers.number(winding.turn), numbers.terms(&winding.carries));
-                format!("{}::new({}, {turn}, {carries})", self.paths.runtime("Winding"), winding.joint)
-            });
             let fields = [
                 "joints: &Self::JOINTS".to_owned(),
                 format!("sums: {}", nested(sums)),
                 format!("bounds: {}", nested(bounds.into_iter())),
                 format!("keep_out: {}", nested(boxes)),
-                format!("windings: {}", nested(windings)),
+                format!("windings: {}", self.private("WINDINGS")),
             ];
             list(fields, &format!("{rules} {{"), "}")
         });
+    }
+
+    /// The windings, outside the `impl`: searches read them too.
+    pub(super) fn windings(&self, text: &mut Text) {
+        let winding = self.paths.runtime("Winding");
+        let numbers = Numbers { printer: self, approximate: Cell::new(false) };
+        let windings = self.model.windings.iter().map(|one| {
+            format!("{winding}::new({}, {}, {})", one.joint, numbers.number(one.turn), numbers.terms(&one.carries))
+        });
+        text.line("/// Whole turns of joints that leave every frame where it is (rad).");
+        let ty = format!("&[{}]", self.tabular("Winding"));
+        text.line(format!("const {}: {ty} = {};", self.private("WINDINGS"), list(windings, "&[", "]")));
     }
 
     fn poses(&self, text: &mut Text) {

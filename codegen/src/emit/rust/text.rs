@@ -42,7 +42,12 @@ impl Text {
         self.line(line);
     }
 
-    /// Lines that bring their own indent.
+    /// Whole lines that bring their own indent.
+    pub(super) fn append(&mut self, lines: &str) {
+        self.text.push_str(lines);
+    }
+
+    /// The same without the end of the last line.
     pub(super) fn laid_out(&mut self, lines: &str) {
         self.text.push_str(lines);
         self.text.push('\n');
@@ -79,6 +84,18 @@ impl Text {
                 paragraph.lines().for_each(|line| self.paragraph("///", line));
             }
         }
+    }
+
+    /// Opens a function: its head, parameters and result on one line, or a parameter a line.
+    pub(super) fn signature(&mut self, head: &str, parameters: &[String], result: &str) {
+        let line = format!("{head}({}) -> {result} {{", parameters.join(", "));
+        if self.indent + line.len() <= WIDTH {
+            return self.open(line);
+        }
+        self.open(format!("{head}("));
+        parameters.iter().for_each(|parameter| self.line(format!("{parameter},")));
+        self.close(format!(") -> {result} {{"));
+        self.indent += 4;
     }
 
     pub(super) fn into_string(self) -> String {
