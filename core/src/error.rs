@@ -43,7 +43,7 @@ pub enum IkError<S = f64> {
     NotFinite,
     /// The target's rotation is not one, or its direction has no length.
     NotRigid {
-        /// The greatest entry of |RᵀR - 1| and |det R - 1|; 1 for a direction of length 0.
+        /// The greatest entry of |`RᵀR` - 1| and |det R - 1|; 1 for a direction of length 0.
         error: S,
     },
     /// Every candidate missed the target: what the solved rows ask for contradicts the rest.

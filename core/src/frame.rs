@@ -125,7 +125,7 @@ impl<S: Float> Frame<S> {
         }
     }
 
-    /// How far the rotation is from being one: the greatest entry of |RᵀR - 1| and |det R - 1|. NaN where an entry is.
+    /// How far the rotation is from being one: the greatest entry of |`RᵀR` - 1| and |det R - 1|. NaN where an entry is.
     pub fn rigidity_error(&self) -> S {
         let [[a, b, c], [d, e, f], [g, h, i]] = self.rotation;
         let determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);

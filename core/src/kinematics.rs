@@ -127,3 +127,46 @@ pub trait Kinematics<S: Float = f64> {
         }
     }
 }
+
+/// A borrowed robot is one, `&dyn Kinematics` too: what takes a robot by value, like [`Mounted`](crate::Mounted), can
+/// be given a reference.
+impl<K: Kinematics<S> + ?Sized, S: Float> Kinematics<S> for &K {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+    fn fingerprint(&self) -> u64 {
+        (**self).fingerprint()
+    }
+    fn rows(&self) -> usize {
+        (**self).rows()
+    }
+    fn rules(&self) -> Rules<'_, S> {
+        (**self).rules()
+    }
+    fn problems(&self) -> &[ProblemInfo<'_>] {
+        (**self).problems()
+    }
+    fn fk(&self, q: &[S]) -> Result<Frame<S>, LengthError> {
+        (**self).fk(q)
+    }
+    fn fk_flange(&self, q: &[S]) -> Result<Frame<S>, LengthError> {
+        (**self).fk_flange(q)
+    }
+    fn frames_into(&self, q: &[S], out: &mut [Frame<S>]) -> Result<usize, LengthError> {
+        (**self).frames_into(q, out)
+    }
+    fn jacobian_into(&self, q: &[S], out: &mut [[S; 6]]) -> Result<(), LengthError> {
+        (**self).jacobian_into(q, out)
+    }
+    fn ik_into(
+        &self,
+        problem: &str,
+        target: &Target<S>,
+        out: &mut SolutionSet<S>,
+    ) -> Result<(), IkError<S>> {
+        (**self).ik_into(problem, target, out)
+    }
+    fn rules_point(&self, q: &[S]) -> Result<[S; 3], LengthError> {
+        (**self).rules_point(q)
+    }
+}

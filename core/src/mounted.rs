@@ -24,6 +24,9 @@ pub struct Mounted<K, S = f64> {
     tool: Frame<S>,
 }
 
+/// A base counts as turned about z alone if what should be 0 of its rotation is, to this many machine epsilons.
+const ABOUT_Z: f64 = 8.0;
+
 /// A frame of [`Mounted`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MountingFrame {
@@ -81,8 +84,9 @@ impl<K, S: Float> Mounted<K, S> {
         if !any_tool && self.tool != Frame::IDENTITY {
             return unclear(MountingFrame::Tool);
         }
-        let [[_, _, r13], [r21, r22, r23], [r31, r32, _]] = world.rotation;
-        let about_z = [r13, r23, r31, r32] == [S::ZERO; 4];
+        let [[_, _, r13], [r21, r22, r23], [r31, r32, r33]] = world.rotation;
+        let rounding = S::from_f64(ABOUT_Z) * S::EPSILON;
+        let about_z = r33 > S::ZERO && [r13, r23, r31, r32].iter().all(|r| r.abs() <= rounding);
         let planar = matches!(
             kind,
             TargetKind::PositionYaw | TargetKind::Xy | TargetKind::XyYaw
@@ -204,7 +208,7 @@ impl<K: Kinematics<S>, S: Float> Kinematics<S> for Mounted<K, S> {
         let target = target.validate()?;
         self.arm
             .ik_into(problem, &self.target_of_arm(&target)?, out)?;
-        let error = [S::INFINITY; 2].into();
+        let error = (S::INFINITY, S::INFINITY);
         out.measure(|q| self.fk(q).map_or(error, |tool| target.errors(&tool)));
         Ok(())
     }

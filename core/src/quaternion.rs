@@ -24,14 +24,16 @@ impl<S: Float> Frame<S> {
         };
         let norm = (x * x + y * y + z * z + w * w).sqrt();
         let scale = if w < S::ZERO { -norm } else { norm };
-        [x / scale, y / scale, z / scale, w / scale]
+        // Adding 0 makes a positive zero of a negative one.
+        [x / scale, y / scale, z / scale, w / scale + S::ZERO]
     }
 
     /// From a quaternion `[x, y, z, w]` of any length but 0, and a translation (m). `None` where the quaternion has no
     /// direction: its length is 0 or not finite.
     pub fn from_quaternion(translation: [S; 3], [x, y, z, w]: [S; 4]) -> Option<Self> {
         let greatest = x.abs().max(y.abs()).max(z.abs()).max(w.abs());
-        if !(greatest > S::ZERO && (x + y + z + w).is_finite()) {
+        let finite = [x, y, z, w].iter().all(|component| component.is_finite());
+        if !finite || greatest <= S::ZERO {
             return None;
         }
         // Scaled first, so that squares neither overflow nor vanish.

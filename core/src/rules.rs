@@ -261,7 +261,7 @@ pub(crate) fn within<S: Float>(limits: &Limits<S>, value: S) -> bool {
 }
 
 impl<'a, S: Float> Rules<'a, S> {
-    /// No rules at all for these joints.
+    /// The limits of these joints and no other rules.
     pub const fn of_joints(joints: &'a [Joint<'a, S>], windings: &'a [Winding<'a, S>]) -> Self {
         Self {
             joints,

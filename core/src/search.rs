@@ -101,6 +101,12 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     /// A new search. The reach (m) of the arm gives tolerances their scale; the windings
     /// ([`Rules::windings`](crate::Rules::windings)) say which whole turns make no difference.
     pub fn new(reach: S, windings: &'a [Winding<'a, S>]) -> Self {
+        // An arm that has orientations only has no reach; its lengths are all 0, and so are their errors.
+        let reach = if reach > S::ZERO && reach.is_finite() {
+            reach
+        } else {
+            S::ONE
+        };
         Self {
             reach,
             windings,
@@ -193,13 +199,17 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
 
     /// The coefficients of a step vanish: any value does, or none.
     fn degenerate(&mut self, step: Step, gap: S, scale: &Scale<S>) -> Roots<S> {
-        if gap <= scale.tolerance {
-            self.free_steps |= bit(step);
-            if let Some(row) = self.free_rows.get_mut(usize::from(step.index)) {
-                *row = step.first_row() as u8;
-            }
-            return Roots::one(S::ZERO);
+        if gap > scale.tolerance {
+            return self.singular(step, gap, scale);
         }
+        self.free_steps |= bit(step);
+        if let Some(row) = self.free_rows.get_mut(usize::from(step.index)) {
+            *row = step.first_row() as u8;
+        }
+        Roots::one(S::ZERO)
+    }
+
+    fn singular(&mut self, step: Step, gap: S, scale: &Scale<S>) -> Roots<S> {
         self.fail_step(
             step,
             gap / scale.size,

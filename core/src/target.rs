@@ -97,6 +97,12 @@ pub enum Target<S = f64> {
     },
 }
 
+impl<S> From<Frame<S>> for Target<S> {
+    fn from(pose: Frame<S>) -> Self {
+        Self::Pose(pose)
+    }
+}
+
 /// How far a matrix may be from a rotation, as [`Frame::rigidity_error`] measures it, to be taken for one: what seven
 /// written decimals leave. In f32, where the last digits are greater than that, a few of those.
 fn rigidity_tolerance<S: Float>() -> S {

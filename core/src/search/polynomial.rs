@@ -28,27 +28,24 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let mean = a.abs().sqrt() * c.abs().sqrt();
         let size = half.abs();
         let one_sign = (a > S::ZERO) == (c > S::ZERO);
-        if one_sign {
-            let excess = mean - size;
-            // |half² - a c| / |a| is how far the equation is from having a root, in its own dimension.
-            let gap = excess * (mean + size) / a.abs();
-            if gap > scale.tolerance {
-                let excess = excess / a.abs() * unit;
-                return self.fail_step(
-                    step,
-                    gap / scale.size,
-                    IkError::Unreachable { step, excess },
-                );
-            }
-            if gap >= -(S::from_f64(DOUBLE_ROOT) * S::EPSILON * scale.size.max(size)) {
-                return Roots::one(-half / a * unit);
-            }
-        }
-        let root = if one_sign {
-            ((size - mean) * (size + mean)).sqrt()
+        // How far the equation is from a double root, in its own dimension: (half² - a c) / |a|.
+        let inside = if one_sign {
+            (size - mean) * (size + mean)
         } else {
-            size.hypot(mean)
-        };
+            size * size + mean * mean
+        } / a.abs();
+        if inside < -scale.tolerance {
+            let excess = (mean - size) / a.abs() * unit;
+            return self.fail_step(
+                step,
+                -inside / scale.size,
+                IkError::Unreachable { step, excess },
+            );
+        }
+        if inside <= S::from_f64(DOUBLE_ROOT) * S::EPSILON * scale.size.max(size * size / a.abs()) {
+            return Roots::one(-half / a * unit);
+        }
+        let root = (inside * a.abs()).sqrt();
         let greater = if half < S::ZERO {
             size + root
         } else {

@@ -6,6 +6,9 @@ use crate::{Float, IkError, Step};
 /// Two rows whose directions differ by less than this many square roots of the machine epsilon (rad) are one row.
 const PARALLEL: f64 = 1.0;
 
+/// A cosine and sine that are off the unit circle by more than this come from a row that is nothing but rounding.
+const UNRELIABLE: f64 = 1e-3;
+
 impl<const N: usize, S: Float> Search<'_, N, S> {
     /// The angles x (rad) with a cos x + b sin x = c: two, or one at the edge of the domain.
     ///
@@ -17,30 +20,16 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     }
 
     fn solve_trig(&mut self, step: Step, [a, b, c]: [S; 3], scale: &Scale<S>) -> Roots<S> {
-        let h = a.hypot(b);
+        let h = size(a, b);
         if !(h.is_finite() && c.is_finite()) {
             return self.not_finite(step);
         }
-        let size = c.abs();
         if h <= scale.vanishing {
-            return self.degenerate(step, size, scale);
+            return self.degenerate(step, c.abs(), scale);
         }
-        let excess = size - h;
+        let excess = c.abs() - h;
         if excess > scale.tolerance {
-            let relative = excess / h;
-            let reported = if step.excess_is_length() {
-                excess
-            } else {
-                relative
-            };
-            return self.fail_step(
-                step,
-                relative,
-                IkError::Unreachable {
-                    step,
-                    excess: reported,
-                },
-            );
+            return self.unreachable(step, excess, h, scale);
         }
         let phi = b.atan2(a);
         if excess >= -(S::from_f64(DOUBLE_ROOT) * S::EPSILON * scale.size.max(h)) {
@@ -58,33 +47,25 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     pub fn trig_pair(&mut self, step: Step, first: [S; 3], second: [S; 3]) -> Roots<S> {
         let scale = self.begin(step);
         let ([a1, b1, c1], [a2, b2, c2]) = (first, second);
-        let (h1, h2) = (a1.hypot(b1), a2.hypot(b2));
-        let gap = c1.hypot(c2);
+        let (h1, h2) = (size(a1, b1), size(a2, b2));
+        let gap = size(c1, c2);
         if !(h1.is_finite() && h2.is_finite() && gap.is_finite()) {
             return self.not_finite(step);
         }
-        let h = h1.max(h2);
-        if h <= scale.vanishing {
-            return self.degenerate(step, gap, &scale);
-        }
-        // Coefficients that are themselves the root of a rounding error (the sine of a wrist angle next to 0) are 0 if
-        // the other side, which is known to the last digits, is.
-        if h <= scale.tolerance && gap <= scale.vanishing {
-            return self.degenerate(step, gap, &scale);
-        }
-        let (larger, smaller) = if h1 >= h2 {
-            (first, second)
+        let (larger, h, smaller, h_small) = if h1 >= h2 {
+            (first, h1, second, h2)
         } else {
-            (second, first)
+            (second, h2, first, h1)
         };
-        if h1.min(h2) <= scale.vanishing {
+        // Coefficients that are themselves the root of a rounding error (the sine of a wrist angle next to 0) are 0 if
+        // the right-hand sides, which are known to the last digits, are.
+        if h <= scale.vanishing || (h <= scale.tolerance && gap <= scale.vanishing) {
+            return self.degenerate(step, gap, &scale);
+        }
+        if h_small <= scale.vanishing {
             let [_, _, c] = smaller;
             if c.abs() > scale.tolerance {
-                let error = IkError::Singular {
-                    joint: step.first_row(),
-                    gap: c.abs(),
-                };
-                return self.fail_step(step, c.abs() / scale.size, error);
+                return self.singular(step, c.abs(), &scale);
             }
             return self.solve_trig(step, larger, &scale);
         }
@@ -96,16 +77,14 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         }
         let cosine = (c1 * b2 - c2 * b1) / determinant;
         let sine = (a1 * c2 - a2 * c1) / determinant;
-        let length = cosine.hypot(sine);
-        // How far cosine and sine may be from the unit circle: what errors of the right-hand sides make of them.
+        let length = size(cosine, sine);
         let off = (length - S::ONE).abs();
-        if off > scale.tolerance / (h1.min(h2) * determinant.abs()) {
-            let excess = if step.excess_is_length() {
-                off * h
-            } else {
-                off
-            };
-            return self.fail_step(step, off, IkError::Unreachable { step, excess });
+        // What small errors of the right-hand sides can make of cosine and sine.
+        if off > scale.tolerance / (h_small * determinant.abs()) {
+            return self.unreachable(step, off * h, h, &scale);
+        }
+        if off > S::from_f64(UNRELIABLE) && h > scale.tolerance {
+            return self.solve_trig(step, larger, &scale);
         }
         if length <= S::ZERO {
             return self.degenerate(step, gap, &scale);
@@ -113,6 +92,22 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let angle = sine.atan2(cosine);
         Roots::one(angle + gauss_newton(first, second, cosine / length, sine / length))
     }
+
+    /// `excess` is in the dimension of the equation, whose coefficients have size `h`.
+    fn unreachable(&mut self, step: Step, excess: S, h: S, scale: &Scale<S>) -> Roots<S> {
+        let (excess, miss) = if step.excess_is_length() {
+            (excess, excess / scale.size)
+        } else {
+            (excess / h, excess / h)
+        };
+        self.fail_step(step, miss, IkError::Unreachable { step, excess })
+    }
+}
+
+/// The length of (a, b). Plain squares: numbers of robots are nowhere near overflow, and what underflows vanishes
+/// beside the scale of the equation anyway.
+fn size<S: Float>(a: S, b: S) -> S {
+    (a * a + b * b).sqrt()
 }
 
 /// The change of angle that brings both rows nearest to their right-hand sides, from an angle given by cosine and sine.
