@@ -8,6 +8,9 @@ use std::ops::Range;
 mod angle;
 /// Fixed transforms between joints.
 pub mod chain;
+/// The plain product of the rows, for verification.
+pub mod product;
+mod reach;
 mod recentre;
 
 pub use angle::EXACT_ANGLE_TOLERANCE;
@@ -338,3 +341,6 @@ pub struct Filter {
     /// `<` rather than `<=`.
     pub strict: bool,
 }
+
+#[cfg(test)]
+mod tests;

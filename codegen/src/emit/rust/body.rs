@@ -13,7 +13,7 @@ pub(super) struct Body<'a> {
     pub(super) leaves: Leaves<'a>,
     pub(super) live: Live,
     /// Name of the constant that describes each stage.
-    pub(super) stages: Vec<String>,
+    pub(super) stages: &'a [String],
     /// `Float::sin_cos`, however it is reached.
     pub(super) sin_cos: String,
 }
