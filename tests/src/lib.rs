@@ -10,3 +10,4 @@ pub mod double_double;
 pub mod expression;
 pub mod matrix;
 pub mod oracle;
+pub mod random;
