@@ -8,6 +8,8 @@ pub mod diagnostic;
 //pub mod table;
 /// Stage 2: rows -> a checked robot in SI units.
 pub mod model;
+/// Stage 3: model -> equations.
+pub mod symbolic;
 /// Stage 4: equations -> functions as ordered, named scalar steps, and the interpreter of these.
 pub mod plan;
 /// Every function of a plan against plain products of the table's matrices.
