@@ -55,12 +55,7 @@ impl FindError {
 impl fmt::Display for FindError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            FindError::NotFound {
-                name,
-                tried,
-                shipped,
-                nearest,
-            } => {
+            FindError::NotFound { name, tried, shipped, nearest } => {
                 write!(f, "no robot table `{name}`")?;
                 for place in tried {
                     write!(f, "\n  no file {place}")?;
@@ -71,11 +66,7 @@ impl fmt::Display for FindError {
                 match nearest.as_slice() {
                     [] => Ok(()),
                     [only] => write!(f, "\nhelp: there is a shipped table `{only}`"),
-                    several => write!(
-                        f,
-                        "\nhelp: shipped tables with similar names: {}",
-                        several.join(", ")
-                    ),
+                    several => write!(f, "\nhelp: shipped tables with similar names: {}", several.join(", ")),
                 }?;
                 if *shipped && tried.is_empty() {
                     write!(f, "\nhelp: a file is named with its ending, `{name}.toml`")?;
@@ -90,10 +81,7 @@ impl fmt::Display for FindError {
                 )
             }
             FindError::NotUtf8 { name, line, column } => {
-                write!(
-                    f,
-                    "{name}:{line}:{column}: not UTF-8 from here on; save the file as UTF-8"
-                )
+                write!(f, "{name}:{line}:{column}: not UTF-8 from here on; save the file as UTF-8")
             }
             FindError::Unreadable { name, reason } => write!(f, "{name}: cannot be read: {reason}"),
         }

@@ -26,18 +26,8 @@ struct Numbers {
 impl Numbers {
     fn of(level: Level) -> Self {
         match level {
-            Level::Quick => Numbers {
-                random: 5,
-                lattice: 1,
-                limits: 1,
-                boundary: 0,
-            },
-            Level::Full => Numbers {
-                random: 200,
-                lattice: 60,
-                limits: 20,
-                boundary: 10,
-            },
+            Level::Quick => Numbers { random: 5, lattice: 1, limits: 1, boundary: 0 },
+            Level::Full => Numbers { random: 200, lattice: 60, limits: 20, boundary: 10 },
         }
     }
 }
@@ -45,19 +35,9 @@ impl Numbers {
 /// Joint vectors (rad or m) that satisfy the constraints: random ones; joint angles at multiples of a quarter turn,
 /// where most arms are singular; joints at their limits; and one angle at, or near, such a multiple, the others
 /// random. The independent joints are set so, the others follow.
-pub(super) fn poses(
-    model: &Model,
-    constraints: &Constraints,
-    level: Level,
-    reach: f64,
-) -> Vec<Vec<f64>> {
+pub(super) fn poses(model: &Model, constraints: &Constraints, level: Level, reach: f64) -> Vec<Vec<f64>> {
     let numbers = Numbers::of(level);
-    let mut sampler = Sampler {
-        model,
-        constraints,
-        reach,
-        random: Random::new(SEED),
-    };
+    let mut sampler = Sampler { model, constraints, reach, random: Random::new(SEED) };
     let mut poses = vec![];
     for _ in 0..numbers.random {
         poses.push(sampler.random());
@@ -72,11 +52,8 @@ pub(super) fn poses(
         for joint in &constraints.independent {
             let mut q = sampler.random();
             // The first ones are at the multiple itself.
-            let off = index
-                .checked_sub(2)
-                .and_then(|index| NEAR.get(index % NEAR.len()))
-                .copied()
-                .unwrap_or(0.0);
+            let off =
+                index.checked_sub(2).and_then(|index| NEAR.get(index % NEAR.len())).copied().unwrap_or(0.0);
             let value = sampler.lattice(*joint) + off * sampler.stroke(*joint);
             if let Some(slot) = q.get_mut(*joint) {
                 *slot = value;
@@ -100,9 +77,7 @@ impl Sampler<'_> {
     fn random(&mut self) -> Vec<f64> {
         self.each(|sampler, joint| {
             // Geometric solutions don't know limits: revolute joints make a whole turn whatever theirs are.
-            let revolute = sampler
-                .row(joint)
-                .is_some_and(|row| row.kind == JointKind::Revolute);
+            let revolute = sampler.row(joint).is_some_and(|row| row.kind == JointKind::Revolute);
             let range = if revolute { TURN } else { sampler.range(joint) };
             sampler.random.between(range.min, range.max)
         })
@@ -126,11 +101,8 @@ impl Sampler<'_> {
         let choice = self.random.below(4) as f64;
         match self.row(joint) {
             Some(row) if row.kind == JointKind::Revolute => {
-                let own = row
-                    .terms
-                    .iter()
-                    .find(|(index, _)| *index == joint)
-                    .map_or(1.0, |(_, factor)| *factor);
+                let own =
+                    row.terms.iter().find(|(index, _)| *index == joint).map_or(1.0, |(_, factor)| *factor);
                 (choice * FRAC_PI_2 - FRAC_PI_2 - row.theta.value) / own
             }
             _ => {
@@ -142,11 +114,7 @@ impl Sampler<'_> {
 
     fn limit(&mut self, joint: usize) -> f64 {
         let range = self.range(joint);
-        if self.random.below(2) == 0 {
-            range.min
-        } else {
-            range.max
-        }
+        if self.random.below(2) == 0 { range.min } else { range.max }
     }
 
     /// Limits of q, or what stands for them.
@@ -155,10 +123,7 @@ impl Sampler<'_> {
         match (row.map(|row| row.kind), row.and_then(|row| row.limits)) {
             (_, Some(limits)) => limits,
             (Some(JointKind::Revolute), None) => TURN,
-            _ => Limits {
-                min: -self.reach,
-                max: self.reach,
-            },
+            _ => Limits { min: -self.reach, max: self.reach },
         }
     }
 
@@ -174,9 +139,6 @@ impl Sampler<'_> {
     }
 
     fn row(&self, joint: usize) -> Option<&Row> {
-        self.model
-            .joints
-            .get(joint)
-            .and_then(|row| self.model.rows.get(*row))
+        self.model.joints.get(joint).and_then(|row| self.model.rows.get(*row))
     }
 }
