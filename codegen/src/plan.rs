@@ -3,10 +3,19 @@
 //! A plan holds no tokens and no language, and nothing in it assumes f64. Printers (`emit`) and the interpreter
 //! (`plan::eval`) walk it and decide nothing.
 
+mod forward;
+mod schedule;
 /// The interpreter.
 pub mod eval;
 #[cfg(test)]
 pub(crate) mod fixtures;
+
+/// Every function that the robot has.
+pub fn build(model: &crate::model::Model) -> Plan {
+    let mut constants = schedule::Constants::default();
+    let functions = forward::functions(model, &mut constants);
+    Plan { constants: constants.into_list(), functions }
+}
 
 /// All functions of one robot.
 #[derive(Debug, Clone)]
