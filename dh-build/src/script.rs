@@ -60,7 +60,7 @@ impl Build {
         self.run(&root, &out, compiler, |line| println!("{line}"))
     }
 
-    fn run(
+    pub(crate) fn run(
         &self,
         root: &Path,
         out: &Path,

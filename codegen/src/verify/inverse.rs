@@ -84,14 +84,15 @@ impl Inverse<'_> {
         let (position, rotation) = target.errors(&reference::tool(self.model, q));
         report.errors(position, rotation);
         let allowed = |residual: f64| Tolerance { position: residual * self.reach, rotation: residual };
-        let regular = allowed(RESIDUAL).holds(position, rotation);
-        if !regular && !(allowed(RESIDUAL_SINGULAR).holds(position, rotation) && smallest() < SINGULAR) {
+        let hits = allowed(RESIDUAL).holds(position, rotation)
+            || (allowed(RESIDUAL_SINGULAR).holds(position, rotation) && smallest() < SINGULAR);
+        if !hits {
             return Err(format!(
                 "the solution {q:?} misses its target by {position:.3e} m and {rotation:.3e} rad"
             ));
         }
         let excess = self.constraints.excess(q);
-        if !(excess <= RESIDUAL_SINGULAR) {
+        if excess.is_nan() || excess > RESIDUAL_SINGULAR {
             return Err(format!("the solution {q:?} breaks a constraint by {excess:.3e}"));
         }
         if wheres.clearly_refuse(q) {
