@@ -1,4 +1,10 @@
 //! Frames, quaternions and the measure of rotation errors.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
 
 mod random;
 

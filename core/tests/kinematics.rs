@@ -1,4 +1,10 @@
 //! A whole arm behind the trait, by itself and mounted on frames known only at run time.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
 
 mod planar;
 mod random;

@@ -1,4 +1,10 @@
 //! Limits and workspace rules: every violation is told, and what is on a limit is inside.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
 
 use core::f64::consts::{PI, TAU};
 

@@ -1,4 +1,10 @@
 //! A search as a whole: which failure decides, what becomes of candidates, what is free.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
 
 use core::f64::consts::{PI, TAU};
 

@@ -1,4 +1,10 @@
 //! Which windings of which solutions are allowed, and what is said where none is.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
 
 use core::f64::consts::{PI, TAU};
 

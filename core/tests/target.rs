@@ -1,4 +1,10 @@
 //! Targets: what is valid, how far a tool frame is from each kind, and the order of the numbers.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
 
 use core::f64::consts::{FRAC_PI_2, PI};
 

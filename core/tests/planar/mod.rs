@@ -69,7 +69,7 @@ impl Planar {
 }
 
 impl Kinematics for Planar {
-    fn name(&self) -> &str {
+    fn name(&self) -> &'static str {
         "planar"
     }
     fn fingerprint(&self) -> u64 {

@@ -2,7 +2,7 @@
 
 use dh_core::Float;
 
-/// SplitMix64 [Steele, Lea, Flood 2014].
+/// `SplitMix64` \[Steele, Lea, Flood 2014\].
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
