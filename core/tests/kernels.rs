@@ -245,6 +245,16 @@ fn pairs_of_one_direction_have_the_roots_of_one_row() {
 }
 
 #[test]
+fn a_row_that_is_rounding_does_not_decide() {
+    // cos x = 1/2; the other row would have sin x = 0, if 1e-8 were more than the root of a rounding.
+    let roots = search::<f64>().trig_pair(RATIO, [1.0, 0.0, 0.5], [0.0, 1e-8, 0.0]);
+    assert_eq!(roots.len(), 2);
+    for wanted in [core::f64::consts::FRAC_PI_3, -core::f64::consts::FRAC_PI_3] {
+        assert!(miss(roots, wanted) < 1e-15);
+    }
+}
+
+#[test]
 fn pairs_off_the_circle_are_unreachable() {
     // (cos x, sin x) would have to be (1.2, 0.9): 1.5 long.
     let rows = |h: f64| ([h, 0.0, 1.2 * h], [0.0, h, 0.9 * h]);
