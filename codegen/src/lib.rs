@@ -14,3 +14,5 @@ pub mod symbolic;
 pub mod plan;
 /// Every function of a plan against plain products of the table's matrices.
 pub mod verify;
+/// Stage 5: printers.
+pub mod emit;

@@ -3,12 +3,12 @@
 //! A plan holds no tokens and no language, and nothing in it assumes f64. Printers (`emit`) and the interpreter
 //! (`plan::eval`) walk it and decide nothing.
 
-mod forward;
-mod schedule;
 /// The interpreter.
 pub mod eval;
 #[cfg(test)]
 pub(crate) mod fixtures;
+mod forward;
+mod schedule;
 
 /// Every function that the robot has.
 pub fn build(model: &crate::model::Model) -> Plan {
