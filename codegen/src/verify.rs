@@ -72,52 +72,28 @@ impl Tolerance {
 }
 
 /// Runs every function of a plan; those that fail are reported and left out of the plan that is returned.
-pub fn verify(
-    model: &Model,
-    plan: Plan,
-    level: Level,
-    diagnostics: &mut Diagnostics,
-) -> (Plan, Report) {
-    let verification = Verification {
-        model,
-        level,
-        reach: model.reach(),
-    };
+pub fn verify(model: &Model, plan: Plan, level: Level, diagnostics: &mut Diagnostics) -> (Plan, Report) {
+    let verification = Verification { model, level, reach: model.reach() };
     let report = verification.report(&plan);
     for function in &report.functions {
         if let Some(failure) = &function.failure {
             diagnostics.push(diagnostic(model, function, failure));
         }
     }
-    let failed = |index: usize| {
-        report
-            .functions
-            .get(index)
-            .is_some_and(|function| function.failure.is_some())
-    };
+    let failed =
+        |index: usize| report.functions.get(index).is_some_and(|function| function.failure.is_some());
     let functions = plan.functions.into_iter().enumerate();
-    let functions = functions
-        .filter(|(index, _)| !failed(*index))
-        .map(|(_, function)| function)
-        .collect();
-    (
-        Plan {
-            constants: plan.constants,
-            functions,
-        },
-        report,
-    )
+    let functions = functions.filter(|(index, _)| !failed(*index)).map(|(_, function)| function).collect();
+    (Plan { constants: plan.constants, functions }, report)
 }
 
 /// What is said of a function that failed.
 fn diagnostic(model: &Model, function: &FunctionReport, failure: &str) -> Diagnostic {
-    let message = format!(
-        "`{}` is left out, since it did not stand verification: {failure}",
-        function.name
-    );
+    let message = format!("`{}` is left out, since it did not stand verification: {failure}", function.name);
     // The table is not at fault, and the functions that stood it can be used.
-    let warning = Diagnostic::warning(VERIFICATION, message)
-        .help("this is a mistake of the compiler, not of the table; please report it together with the table");
+    let warning = Diagnostic::warning(VERIFICATION, message).help(
+        "this is a mistake of the compiler, not of the table; please report it together with the table",
+    );
     match function.kind {
         FunctionKind::Inverse(Some(index)) => match model.problems.get(index) {
             Some(problem) => warning.at(problem.span.clone(), "this problem is not solved"),
@@ -136,24 +112,13 @@ struct Verification<'m> {
 
 impl Verification<'_> {
     fn report(&self, plan: &Plan) -> Report {
-        let mut functions: Vec<FunctionReport> = plan
-            .functions
-            .iter()
-            .map(|function| self.prepare(plan, function))
-            .collect();
+        let mut functions: Vec<FunctionReport> =
+            plan.functions.iter().map(|function| self.prepare(plan, function)).collect();
         let sound = |(function, report): (&Function, &FunctionReport)| {
             report.failure.is_none().then(|| function.clone())
         };
-        let sound = plan
-            .functions
-            .iter()
-            .zip(&functions)
-            .filter_map(sound)
-            .collect();
-        let sound = Plan {
-            constants: plan.constants.clone(),
-            functions: sound,
-        };
+        let sound = plan.functions.iter().zip(&functions).filter_map(sound).collect();
+        let sound = Plan { constants: plan.constants.clone(), functions: sound };
         // Every function left is sound by itself, so the whole is.
         let Ok(program) = Program::new(self.model, &sound) else {
             return Report { functions };
@@ -181,11 +146,9 @@ impl Verification<'_> {
 
     /// The report on a function before it is run.
     fn prepare(&self, plan: &Plan, function: &Function) -> FunctionReport {
-        let mut report =
-            FunctionReport::new(function.kind.clone(), name(self.model, &function.kind));
-        report.failure = Program::<f64>::check(self.model, plan, function)
-            .err()
-            .map(|error| error.to_string());
+        let mut report = FunctionReport::new(function.kind.clone(), name(self.model, &function.kind));
+        report.failure =
+            Program::<f64>::check(self.model, plan, function).err().map(|error| error.to_string());
         report
     }
 
@@ -193,10 +156,8 @@ impl Verification<'_> {
         let FunctionKind::Inverse(problem) = report.kind else {
             return;
         };
-        let constraints = Constraints::of(
-            self.model,
-            problem.and_then(|index| self.model.problems.get(index)),
-        );
+        let constraints =
+            Constraints::of(self.model, problem.and_then(|index| self.model.problems.get(index)));
         let poses = poses::poses(self.model, &constraints, self.level, self.reach);
         let inverse = inverse::Inverse {
             model: self.model,
@@ -219,9 +180,8 @@ fn name(model: &Model, kind: &FunctionKind) -> String {
         FunctionKind::FkJacobian => "fk_jacobian".to_owned(),
         FunctionKind::Frames => "frames".to_owned(),
         FunctionKind::Inverse(None) => "ik_all".to_owned(),
-        FunctionKind::Inverse(Some(index)) => model
-            .problems
-            .get(*index)
-            .map_or_else(String::new, |problem| format!("ik_all_{}", problem.name)),
+        FunctionKind::Inverse(Some(index)) => {
+            model.problems.get(*index).map_or_else(String::new, |problem| format!("ik_all_{}", problem.name))
+        }
     }
 }

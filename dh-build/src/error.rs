@@ -1,8 +1,9 @@
 //! Why a table could not be found or read.
 
+use dh_codegen::diagnostic::{Diagnostic, catalogue};
 use std::fmt;
 
-/// Why a table could not be found or read. The message is one paragraph a place or name, ready to be shown.
+/// Why a table could not be found or read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FindError {
@@ -41,62 +42,69 @@ pub enum FindError {
 }
 
 impl FindError {
-    /// The code under which `dhc explain` explains it.
-    pub const fn code(&self) -> &'static str {
+    /// The same as a diagnostic of the compiler, so that it is drawn and explained like those.
+    pub fn diagnostic(&self) -> Diagnostic {
+        let code = match self {
+            FindError::NotFound { .. } | FindError::Unreadable { .. } => catalogue::MISSING_FILE,
+            FindError::TooLarge { .. } => catalogue::TOO_LARGE,
+            FindError::NotUtf8 { .. } => catalogue::NOT_UTF8,
+        };
+        let diagnostic = Diagnostic::error(code, self.message());
+        self.help().into_iter().fold(diagnostic, Diagnostic::help)
+    }
+
+    /// The name under which it is shown.
+    pub fn name(&self) -> &str {
         match self {
-            FindError::NotFound { .. } => "table-not-found",
-            FindError::TooLarge { .. } => "table-too-large",
-            FindError::NotUtf8 { .. } => "table-not-utf8",
-            FindError::Unreadable { .. } => "table-unreadable",
+            FindError::NotFound { name, .. }
+            | FindError::TooLarge { name }
+            | FindError::NotUtf8 { name, .. }
+            | FindError::Unreadable { name, .. } => name,
         }
     }
-}
 
-impl fmt::Display for FindError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn message(&self) -> String {
         match self {
-            FindError::NotFound {
-                name,
-                tried,
-                shipped,
-                nearest,
-            } => {
-                write!(f, "no robot table `{name}`")?;
-                for place in tried {
-                    write!(f, "\n  no file {place}")?;
-                }
+            FindError::NotFound { name, tried, shipped, .. } => {
+                let mut places: Vec<String> = tried.iter().map(|place| format!("no file {place}")).collect();
                 if *shipped {
-                    write!(f, "\n  no shipped table of that name")?;
+                    places.push("no shipped table of that name".to_owned());
                 }
-                match nearest.as_slice() {
-                    [] => Ok(()),
-                    [only] => write!(f, "\nhelp: there is a shipped table `{only}`"),
-                    several => write!(
-                        f,
-                        "\nhelp: shipped tables with similar names: {}",
-                        several.join(", ")
-                    ),
-                }?;
-                if *shipped && tried.is_empty() {
-                    write!(f, "\nhelp: a file is named with its ending, `{name}.toml`")?;
-                }
-                Ok(())
+                format!("there is no robot table `{name}`: {}", places.join(", "))
             }
             FindError::TooLarge { name } => {
-                write!(
-                    f,
-                    "{name}: the file is larger than the {} KiB that a robot table may have",
+                format!(
+                    "{name} is larger than the {} KiB that a robot table may have",
                     crate::MAX_BYTES / 1024
                 )
             }
             FindError::NotUtf8 { name, line, column } => {
-                write!(
-                    f,
-                    "{name}:{line}:{column}: not UTF-8 from here on; save the file as UTF-8"
-                )
+                format!("{name}:{line}:{column}: the text is not UTF-8 from here on")
             }
-            FindError::Unreadable { name, reason } => write!(f, "{name}: cannot be read: {reason}"),
+            FindError::Unreadable { name, reason } => format!("{name} cannot be read: {reason}"),
         }
+    }
+
+    fn help(&self) -> Vec<String> {
+        let FindError::NotFound { name, tried, nearest, .. } = self else { return Vec::new() };
+        let mut help = Vec::new();
+        match nearest.as_slice() {
+            [] => {}
+            [only] => help.push(format!("there is a shipped table `{only}`")),
+            several => help.push(format!("shipped tables with similar names: {}", several.join(", "))),
+        }
+        if tried.is_empty() {
+            help.push(format!("a file is named with its ending: `{name}.toml`"));
+        }
+        help
+    }
+}
+
+/// The message, and a line of help each.
+impl fmt::Display for FindError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message())?;
+        self.help().iter().try_for_each(|help| write!(f, "\nhelp: {help}"))
     }
 }
 

@@ -8,6 +8,8 @@ mod error;
 mod find;
 mod read;
 mod script;
+#[cfg(test)]
+mod tests;
 
 pub use error::FindError;
 pub use read::MAX_BYTES;

@@ -10,10 +10,8 @@ pub const MAX_BYTES: usize = 256 * 1024;
 
 /// The text of a file; `None` where there is none of that name.
 pub(crate) fn read(path: &Path, shown: &str) -> Result<Option<String>, FindError> {
-    let unreadable = |error: &std::io::Error| FindError::Unreadable {
-        name: shown.to_owned(),
-        reason: error.to_string(),
-    };
+    let unreadable =
+        |error: &std::io::Error| FindError::Unreadable { name: shown.to_owned(), reason: error.to_string() };
     if path.is_dir() {
         return Ok(None);
     }
@@ -26,33 +24,19 @@ pub(crate) fn read(path: &Path, shown: &str) -> Result<Option<String>, FindError
     };
     // One byte more than allowed tells a file that is too large, however large it is or if it never ends.
     let mut bytes = Vec::new();
-    file.take(MAX_BYTES as u64 + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|error| unreadable(&error))?;
+    file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(|error| unreadable(&error))?;
     if bytes.len() > MAX_BYTES {
-        return Err(FindError::TooLarge {
-            name: shown.to_owned(),
-        });
+        return Err(FindError::TooLarge { name: shown.to_owned() });
     }
     match String::from_utf8(bytes) {
         Ok(text) => Ok(Some(text)),
         Err(error) => {
             let valid = error.utf8_error().valid_up_to();
-            let before = String::from_utf8_lossy(error.as_bytes().get(..valid).unwrap_or_default())
-                .into_owned();
+            let before =
+                String::from_utf8_lossy(error.as_bytes().get(..valid).unwrap_or_default()).into_owned();
             let line = before.matches('\n').count() + 1;
-            let column = before
-                .rsplit('\n')
-                .next()
-                .unwrap_or_default()
-                .chars()
-                .count()
-                + 1;
-            Err(FindError::NotUtf8 {
-                name: shown.to_owned(),
-                line,
-                column,
-            })
+            let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
+            Err(FindError::NotUtf8 { name: shown.to_owned(), line, column })
         }
     }
 }

@@ -54,16 +54,13 @@ impl Build {
         &self,
         compiler: impl FnOnce(&Source, Option<&str>) -> Translation,
     ) -> Result<PathBuf, BuildError> {
-        let variable = |name| {
-            std::env::var_os(name)
-                .map(PathBuf::from)
-                .ok_or(BuildError::Environment { name })
-        };
+        let variable =
+            |name| std::env::var_os(name).map(PathBuf::from).ok_or(BuildError::Environment { name });
         let (root, out) = (variable("CARGO_MANIFEST_DIR")?, variable("OUT_DIR")?);
         self.run(&root, &out, compiler, |line| println!("{line}"))
     }
 
-    fn run(
+    pub(crate) fn run(
         &self,
         root: &Path,
         out: &Path,
@@ -75,26 +72,16 @@ impl Build {
             tell_cargo(&format!("cargo::rerun-if-changed={}", path.display()));
         }
         let translation = compiler(&source, self.struct_name.as_deref());
-        for line in translation
-            .warnings
-            .iter()
-            .flat_map(|warning| warning.lines())
-        {
+        for line in translation.warnings.iter().flat_map(|warning| warning.lines()) {
             tell_cargo(&format!("cargo::warning={line}"));
         }
         let Some(code) = translation.code.filter(|_| translation.errors.is_empty()) else {
-            return Err(BuildError::Table {
-                drawn: translation.errors,
-            });
+            return Err(BuildError::Table { drawn: translation.errors });
         };
-        let stem = Path::new(&self.table)
-            .file_stem()
-            .unwrap_or(OsStr::new("robot"));
+        let stem = Path::new(&self.table).file_stem().unwrap_or(OsStr::new("robot"));
         let file = out.join(stem).with_extension("rs");
-        std::fs::write(&file, code).map_err(|error| BuildError::Write {
-            file: file.clone(),
-            reason: error.to_string(),
-        })?;
+        std::fs::write(&file, code)
+            .map_err(|error| BuildError::Write { file: file.clone(), reason: error.to_string() })?;
         Ok(file)
     }
 }
@@ -128,10 +115,7 @@ impl fmt::Display for BuildError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             BuildError::Environment { name } => {
-                write!(
-                    f,
-                    "{name} is not set: dh_build::Build runs in a build script"
-                )
+                write!(f, "{name} is not set: dh_build::Build runs in a build script")
             }
             BuildError::Find(error) => error.fmt(f),
             BuildError::Table { drawn } => f.write_str(drawn),

@@ -14,23 +14,12 @@ impl Model {
         let mut reach = 0.0;
         for (index, link) in chain.links.iter().enumerate() {
             // `[base]` only says where the arm stands.
-            let base = link
-                .frames
-                .iter()
-                .find(|frame| index == 0 && frame.row.is_none());
-            let arm = link
-                .elements
-                .get(base.map_or(0, |base| base.after)..)
-                .unwrap_or_default();
+            let base = link.frames.iter().find(|frame| index == 0 && frame.row.is_none());
+            let arm = link.elements.get(base.map_or(0, |base| base.after)..).unwrap_or_default();
             reach += stretched(arm);
         }
-        let slides = self
-            .rows
-            .iter()
-            .filter(|row| row.kind == JointKind::Prismatic && !row.terms.is_empty());
-        reach += slides
-            .map(|row| self.greatest_offset(row.d, &row.terms))
-            .sum::<f64>();
+        let slides = self.rows.iter().filter(|row| row.kind == JointKind::Prismatic && !row.terms.is_empty());
+        reach += slides.map(|row| self.greatest_offset(row.d, &row.terms)).sum::<f64>();
         if reach > 0.0 { reach } else { NO_LENGTH }
     }
 

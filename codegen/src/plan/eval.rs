@@ -49,35 +49,18 @@ impl<'m, S: Float> Program<'m, S> {
     /// The first thing in the plan that cannot be run.
     pub fn new(model: &'m Model, plan: &'m Plan) -> Result<Self, PlanError> {
         if model.joints.len() > MAX_JOINTS {
-            return Err(PlanError::Joints {
-                joints: model.joints.len(),
-            });
+            return Err(PlanError::Joints { joints: model.joints.len() });
         }
-        let routines = plan
-            .functions
-            .iter()
-            .map(|function| Routine::lower(model, plan, function));
-        let scalars = |terms: &[(usize, f64)]| {
-            terms
-                .iter()
-                .map(|(joint, c)| (*joint, S::from_f64(*c)))
-                .collect()
-        };
+        let routines = plan.functions.iter().map(|function| Routine::lower(model, plan, function));
+        let scalars =
+            |terms: &[(usize, f64)]| terms.iter().map(|(joint, c)| (*joint, S::from_f64(*c))).collect();
         Ok(Program {
             model,
             plan,
             routines: routines.collect::<Result<_, _>>()?,
-            filters: model
-                .problems
-                .iter()
-                .map(|problem| Filter::all_of(model, problem))
-                .collect(),
+            filters: model.problems.iter().map(|problem| Filter::all_of(model, problem)).collect(),
             sum_terms: model.sums.iter().map(|sum| scalars(&sum.terms)).collect(),
-            carried: model
-                .windings
-                .iter()
-                .map(|winding| scalars(&winding.carries))
-                .collect(),
+            carried: model.windings.iter().map(|winding| scalars(&winding.carries)).collect(),
         })
     }
 
@@ -96,11 +79,7 @@ impl<'m, S: Float> Program<'m, S> {
 
     /// The function of a kind with its lowered form.
     fn find(&self, kind: &FunctionKind) -> Option<(&Function, &Routine<S>)> {
-        self.plan
-            .functions
-            .iter()
-            .zip(&self.routines)
-            .find(|(function, _)| function.kind == *kind)
+        self.plan.functions.iter().zip(&self.routines).find(|(function, _)| function.kind == *kind)
     }
 
     /// The outputs of a forward function; `None` where the plan lacks it.
@@ -108,13 +87,7 @@ impl<'m, S: Float> Program<'m, S> {
         let (function, routine) = self.find(kind)?;
         let mut registers = Registers::of(routine, q.iter().copied());
         run::forward(routine, function, &mut registers, |_| ());
-        Some(
-            routine
-                .outputs
-                .iter()
-                .map(|output| registers.get(*output))
-                .collect(),
-        )
+        Some(routine.outputs.iter().map(|output| registers.get(*output)).collect())
     }
 
     /// Every geometric solution of an inverse problem (an index into `Model::problems`, or the full pose). `free`
@@ -139,9 +112,7 @@ impl<'m, S: Float> Program<'m, S> {
             target,
             dof: self.model.joints.len(),
             reach,
-            filters: problem
-                .and_then(|problem| self.filters.get(problem))
-                .map_or(&[], Vec::as_slice),
+            filters: problem.and_then(|problem| self.filters.get(problem)).map_or(&[], Vec::as_slice),
             observer,
             search: Search::new(reach, windings),
         };

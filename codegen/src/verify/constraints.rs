@@ -28,13 +28,9 @@ pub(super) struct Constraints {
 impl Constraints {
     /// Those of a problem; none for the full pose.
     pub(super) fn of(model: &Model, problem: Option<&Problem>) -> Self {
-        let (linear, given) = problem.map_or((&[][..], &[][..]), |problem| {
-            (&problem.constraints[..], &problem.free[..])
-        });
-        let forms: Vec<Form> = linear
-            .iter()
-            .map(|constraint| in_joints(model, constraint))
-            .collect();
+        let (linear, given) =
+            problem.map_or((&[][..], &[][..]), |problem| (&problem.constraints[..], &problem.free[..]));
+        let forms: Vec<Form> = linear.iter().map(|constraint| in_joints(model, constraint)).collect();
         let dependent = eliminate(forms.clone(), model.joints.len(), given);
         let independent = (0..model.joints.len())
             .filter(|joint| dependent.iter().all(|(other, _)| other != joint))
@@ -44,11 +40,7 @@ impl Constraints {
             .map(|form| (turn_of(model, &form), form))
             .map(|(turn, form)| (form, turn))
             .collect();
-        Constraints {
-            forms,
-            dependent,
-            independent,
-        }
+        Constraints { forms, dependent, independent }
     }
 
     /// Sets the dependent joints to what the others ask for.
@@ -65,11 +57,7 @@ impl Constraints {
     pub(super) fn excess(&self, q: &[f64]) -> f64 {
         let excess = |(form, turn): &(Form, f64)| {
             let value = form.at(q);
-            if *turn > 0.0 {
-                (value - turn * (value / turn).round()).abs()
-            } else {
-                value.abs()
-            }
+            if *turn > 0.0 { (value - turn * (value / turn).round()).abs() } else { value.abs() }
         };
         self.forms.iter().map(excess).fold(0.0, f64::max)
     }
@@ -81,9 +69,7 @@ impl Constraints {
             *slot = 1.0;
         }
         for (dependent, form) in &self.dependent {
-            if let (Some(slot), Some(rate)) =
-                (direction.get_mut(*dependent), form.coefficients.get(joint))
-            {
+            if let (Some(slot), Some(rate)) = (direction.get_mut(*dependent), form.coefficients.get(joint)) {
                 *slot = *rate;
             }
         }
@@ -93,22 +79,13 @@ impl Constraints {
 
 impl Form {
     fn at(&self, q: &[f64]) -> f64 {
-        self.constant
-            + self
-                .coefficients
-                .iter()
-                .zip(q)
-                .map(|(coefficient, q)| coefficient * q)
-                .sum::<f64>()
+        self.constant + self.coefficients.iter().zip(q).map(|(coefficient, q)| coefficient * q).sum::<f64>()
     }
 }
 
 /// A constraint on theta and d of rows, in the joint variables: `form` = 0.
 fn in_joints(model: &Model, constraint: &Linear) -> Form {
-    let mut form = Form {
-        coefficients: vec![0.0; model.joints.len()],
-        constant: -constraint.constant.value,
-    };
+    let mut form = Form { coefficients: vec![0.0; model.joints.len()], constant: -constraint.constant.value };
     for (row, coefficient) in &constraint.terms {
         let Some(row) = model.rows.get(*row) else {
             continue;
@@ -132,11 +109,7 @@ fn in_joints(model: &Model, constraint: &Linear) -> Form {
 fn turn_of(model: &Model, form: &Form) -> f64 {
     let mut turn = 0.0;
     for (coefficient, row) in form.coefficients.iter().zip(&model.joints) {
-        if model
-            .rows
-            .get(*row)
-            .is_some_and(|row| row.kind == JointKind::Revolute)
-        {
+        if model.rows.get(*row).is_some_and(|row| row.kind == JointKind::Revolute) {
             turn = common_measure(turn, coefficient.abs());
         }
     }
@@ -159,9 +132,8 @@ fn eliminate(mut equations: Vec<Form>, joints: usize, given: &[usize]) -> Vec<(u
     let mut solved: Vec<(usize, Form)> = Vec::new();
     while let Some(equation) = equations.pop() {
         let size = |joint: &usize| equation.coefficients.get(*joint).map_or(0.0, |c| c.abs());
-        let pivot = (0..joints)
-            .filter(|joint| !given.contains(joint))
-            .max_by(|l, r| size(l).total_cmp(&size(r)));
+        let pivot =
+            (0..joints).filter(|joint| !given.contains(joint)).max_by(|l, r| size(l).total_cmp(&size(r)));
         let Some(pivot) = pivot.filter(|pivot| size(pivot) > VANISHING) else {
             continue;
         };
@@ -176,10 +148,7 @@ fn eliminate(mut equations: Vec<Form>, joints: usize, given: &[usize]) -> Vec<(u
         if let Some(own) = value.coefficients.get_mut(pivot) {
             *own = 0.0;
         }
-        for form in equations
-            .iter_mut()
-            .chain(solved.iter_mut().map(|(_, form)| form))
-        {
+        for form in equations.iter_mut().chain(solved.iter_mut().map(|(_, form)| form)) {
             substitute(form, pivot, &value);
         }
         solved.push((pivot, value));

@@ -53,56 +53,32 @@ pub(super) fn verify(
 }
 
 /// Compares the outputs of one run; says what is wrong.
-fn compare(
-    outputs: &[f64],
-    expected: &Expected,
-    reach: f64,
-    report: &mut FunctionReport,
-) -> Option<String> {
+fn compare(outputs: &[f64], expected: &Expected, reach: f64, report: &mut FunctionReport) -> Option<String> {
     let (matrices, columns) = outputs.split_at_checked(12 * expected.matrices.len())?;
-    for (index, (output, matrix)) in matrices
-        .chunks_exact(12)
-        .zip(&expected.matrices)
-        .enumerate()
-    {
+    for (index, (output, matrix)) in matrices.chunks_exact(12).zip(&expected.matrices).enumerate() {
         let mut computed = Matrix::default();
-        computed
-            .as_flattened_mut()
-            .iter_mut()
-            .zip(output)
-            .for_each(|(entry, output)| *entry = *output);
+        computed.as_flattened_mut().iter_mut().zip(output).for_each(|(entry, output)| *entry = *output);
         let (position_error, rotation_error) = distance(&computed, matrix);
         // Frames of tables with huge offsets may lie far outside of the arm; a coordinate is rounded to its size.
-        let far = position(matrix)
-            .into_iter()
-            .fold(0.0, |far, p| f64::max(far, p.abs()));
+        let far = position(matrix).into_iter().fold(0.0, |far, p| f64::max(far, p.abs()));
         let tolerance = Tolerance {
             position: FORWARD_TOLERANCE * reach + 4.0 * f64::EPSILON * far,
             rotation: FORWARD_TOLERANCE,
         };
         report.errors(position_error, rotation_error);
         if !tolerance.holds(position_error, rotation_error) {
-            let which = if expected.matrices.len() > 1 {
-                format!("frame {index}")
-            } else {
-                "the frame".to_owned()
-            };
+            let which =
+                if expected.matrices.len() > 1 { format!("frame {index}") } else { "the frame".to_owned() };
             return Some(format!(
                 "{which} is {position_error:.3e} m and {rotation_error:.3e} rad from the product of the rows"
             ));
         }
     }
-    for (index, (output, (column, arm))) in
-        columns.chunks_exact(6).zip(&expected.columns).enumerate()
-    {
+    for (index, (output, (column, arm))) in columns.chunks_exact(6).zip(&expected.columns).enumerate() {
         let mut squares = [0.0_f64; 2];
         for (row, (output, entry)) in output.iter().zip(column).enumerate() {
             let square = (output - entry) * (output - entry);
-            *(if row < 3 {
-                &mut squares[0]
-            } else {
-                &mut squares[1]
-            }) += square;
+            *(if row < 3 { &mut squares[0] } else { &mut squares[1] }) += square;
         }
         let [linear, angular] = squares.map(f64::sqrt);
         // 1 m/m is as large as it gets for joints that slide, reach for those that turn.

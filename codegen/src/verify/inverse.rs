@@ -33,12 +33,8 @@ impl Inverse<'_> {
     /// Asks for the pose at every joint vector; the first wrong answer ends up in the report as the failure.
     pub(super) fn verify(&self, poses: &[Vec<f64>], report: &mut FunctionReport) {
         for (number, q) in poses.iter().enumerate() {
-            let Some(target) = target_of(
-                self.kind(),
-                &reference::tool(self.model, q),
-                number,
-                self.reach,
-            ) else {
+            let Some(target) = target_of(self.kind(), &reference::tool(self.model, q), number, self.reach)
+            else {
                 continue;
             };
             report.poses += 1;
@@ -49,21 +45,9 @@ impl Inverse<'_> {
         }
     }
 
-    fn pose(
-        &self,
-        q: &[f64],
-        target: &Target<f64>,
-        report: &mut FunctionReport,
-    ) -> Result<(), String> {
-        let free: Vec<f64> = self
-            .given()
-            .iter()
-            .map(|joint| q.get(*joint).copied().unwrap_or(0.0))
-            .collect();
-        let Some(answer) = self
-            .program
-            .inverse(self.problem, target, &free, self.windings, |_| ())
-        else {
+    fn pose(&self, q: &[f64], target: &Target<f64>, report: &mut FunctionReport) -> Result<(), String> {
+        let free: Vec<f64> = self.given().iter().map(|joint| q.get(*joint).copied().unwrap_or(0.0)).collect();
+        let Some(answer) = self.program.inverse(self.problem, target, &free, self.windings, |_| ()) else {
             return Ok(());
         };
         let wheres = Wheres::of(self.model, self.problem);
@@ -85,11 +69,7 @@ impl Inverse<'_> {
             return Ok(());
         };
         inverse.count(solutions.len());
-        if allowed {
-            original(nearest, smallest, inverse)
-        } else {
-            Ok(())
-        }
+        if allowed { original(nearest, smallest, inverse) } else { Ok(()) }
     }
 
     /// One returned solution: target, constraints and `where`.
@@ -103,23 +83,17 @@ impl Inverse<'_> {
     ) -> Result<(), String> {
         let (position, rotation) = target.errors(&reference::tool(self.model, q));
         report.errors(position, rotation);
-        let allowed = |residual: f64| Tolerance {
-            position: residual * self.reach,
-            rotation: residual,
-        };
-        let regular = allowed(RESIDUAL).holds(position, rotation);
-        if !regular
-            && !(allowed(RESIDUAL_SINGULAR).holds(position, rotation) && smallest() < SINGULAR)
-        {
+        let allowed = |residual: f64| Tolerance { position: residual * self.reach, rotation: residual };
+        let hits = allowed(RESIDUAL).holds(position, rotation)
+            || (allowed(RESIDUAL_SINGULAR).holds(position, rotation) && smallest() < SINGULAR);
+        if !hits {
             return Err(format!(
                 "the solution {q:?} misses its target by {position:.3e} m and {rotation:.3e} rad"
             ));
         }
         let excess = self.constraints.excess(q);
-        if !(excess <= RESIDUAL_SINGULAR) {
-            return Err(format!(
-                "the solution {q:?} breaks a constraint by {excess:.3e}"
-            ));
+        if excess.is_nan() || excess > RESIDUAL_SINGULAR {
+            return Err(format!("the solution {q:?} breaks a constraint by {excess:.3e}"));
         }
         if wheres.clearly_refuse(q) {
             return Err(format!("the solution {q:?} is not one that `where` keeps"));
@@ -128,53 +102,35 @@ impl Inverse<'_> {
     }
 
     fn kind(&self) -> model::Target {
-        let problem = self
-            .problem
-            .and_then(|index| self.model.problems.get(index));
+        let problem = self.problem.and_then(|index| self.model.problems.get(index));
         problem.map_or(model::Target::Pose, |problem| problem.target)
     }
 
     /// Joints that the caller gives.
     fn given(&self) -> &[usize] {
-        let problem = self
-            .problem
-            .and_then(|index| self.model.problems.get(index));
+        let problem = self.problem.and_then(|index| self.model.problems.get(index));
         problem.map_or(&[], |problem| &problem.free)
     }
 
     /// The smallest singular value of how the prescribed numbers change with the unknowns (m/rad, 1, ...), by central
     /// differences of the product of the rows.
     fn smallest_singular_value(&self, q: &[f64], target: &Target<f64>) -> f64 {
-        let unknowns = self
-            .constraints
-            .independent
-            .iter()
-            .filter(|joint| !self.given().contains(joint));
+        let unknowns = self.constraints.independent.iter().filter(|joint| !self.given().contains(joint));
         let column = |joint: &usize| {
             let direction = self.constraints.direction(*joint, q.len());
             let at = |step: f64| {
-                let moved: Vec<f64> = q
-                    .iter()
-                    .zip(&direction)
-                    .map(|(q, rate)| q + step * rate)
-                    .collect();
+                let moved: Vec<f64> = q.iter().zip(&direction).map(|(q, rate)| q + step * rate).collect();
                 prescribed(target, &reference::tool(self.model, &moved))
             };
             let pairs = at(DIFFERENCE).into_iter().zip(at(-DIFFERENCE));
-            pairs
-                .map(|(after, before)| (after - before) / (2.0 * DIFFERENCE))
-                .collect()
+            pairs.map(|(after, before)| (after - before) / (2.0 * DIFFERENCE)).collect()
         };
         singular_values::smallest(unknowns.map(column).collect())
     }
 
     /// The greatest difference of two joint vectors (rad or m), whole turns aside.
     fn travel(&self, left: &[f64], right: &[f64]) -> f64 {
-        let mut difference: Vec<f64> = left
-            .iter()
-            .zip(right)
-            .map(|(left, right)| left - right)
-            .collect();
+        let mut difference: Vec<f64> = left.iter().zip(right).map(|(left, right)| left - right).collect();
         for winding in &self.model.windings {
             let Some(own) = difference.get_mut(winding.joint) else {
                 continue;
@@ -187,19 +143,13 @@ impl Inverse<'_> {
                 }
             }
         }
-        difference.into_iter().fold(0.0, |greatest, difference| {
-            f64::max(greatest, difference.abs())
-        })
+        difference.into_iter().fold(0.0, |greatest, difference| f64::max(greatest, difference.abs()))
     }
 }
 
 /// Whether the joint vector that a target was made from was found again, `nearest` (rad or m) being the solution
 /// nearest to it.
-fn original(
-    nearest: f64,
-    smallest: impl Fn() -> f64,
-    report: &mut InverseReport,
-) -> Result<(), String> {
+fn original(nearest: f64, smallest: impl Fn() -> f64, report: &mut InverseReport) -> Result<(), String> {
     if nearest <= COMPLETE {
         report.originals += 1;
         report.originals_found += 1;

@@ -25,27 +25,15 @@ pub(super) fn target_of(
     Some(match kind {
         model::Target::Pose => Target::Pose(*tool),
         model::Target::Position => Target::Position(position),
-        model::Target::PositionDirection => Target::PositionDirection {
-            position,
-            direction,
-        },
-        model::Target::PositionYaw => Target::PositionYaw {
-            position,
-            yaw: yaw?,
-        },
+        model::Target::PositionDirection => Target::PositionDirection { position, direction },
+        model::Target::PositionYaw => Target::PositionYaw { position, yaw: yaw? },
         model::Target::Rotation => Target::Rotation(tool.rotation),
         model::Target::Direction => Target::Direction(direction),
-        model::Target::Ray => Target::Ray {
-            position: ahead,
-            direction,
-        },
+        model::Target::Ray => Target::Ray { position: ahead, direction },
         // The point on the axis must not be the tool's own, which any direction would meet.
         model::Target::Lookat => Target::Lookat(sum(position, direction, along + reach / 8.0)),
         model::Target::Xy => Target::Xy([x, y]),
-        model::Target::XyYaw => Target::XyYaw {
-            position: [x, y],
-            yaw: yaw?,
-        },
+        model::Target::XyYaw => Target::XyYaw { position: [x, y], yaw: yaw? },
     })
 }
 
@@ -54,12 +42,7 @@ pub(super) fn target_of(
 pub(super) fn prescribed(target: &Target<f64>, tool: &Frame<f64>) -> Vec<f64> {
     let position = tool.translation;
     let direction = tool.z_axis();
-    let rotation = || {
-        tool.rotation
-            .into_iter()
-            .flatten()
-            .map(|entry| entry * FRAC_1_SQRT_2)
-    };
+    let rotation = || tool.rotation.into_iter().flatten().map(|entry| entry * FRAC_1_SQRT_2);
     let yaw = || {
         let [[r11, ..], [r21, ..], _] = tool.rotation;
         let length = f64::hypot(r11, r21);
@@ -72,9 +55,7 @@ pub(super) fn prescribed(target: &Target<f64>, tool: &Frame<f64>) -> Vec<f64> {
         Target::PositionYaw { .. } => position.into_iter().chain(yaw()).collect(),
         Target::Rotation(_) => rotation().collect(),
         Target::Direction(_) => direction.to_vec(),
-        Target::Ray {
-            position: point, ..
-        } => [off_axis(tool, *point), direction].concat(),
+        Target::Ray { position: point, .. } => [off_axis(tool, *point), direction].concat(),
         Target::Lookat(point) => off_axis(tool, *point).to_vec(),
         Target::Xy(_) => position[..2].to_vec(),
         Target::XyYaw { .. } => position[..2].iter().copied().chain(yaw()).collect(),
@@ -85,11 +66,7 @@ pub(super) fn prescribed(target: &Target<f64>, tool: &Frame<f64>) -> Vec<f64> {
 fn off_axis(tool: &Frame<f64>, point: [f64; 3]) -> [f64; 3] {
     let direction = tool.z_axis();
     let to = sum(point, tool.translation, -1.0);
-    let along: f64 = to
-        .iter()
-        .zip(&direction)
-        .map(|(to, direction)| to * direction)
-        .sum();
+    let along: f64 = to.iter().zip(&direction).map(|(to, direction)| to * direction).sum();
     sum(to, direction, -along)
 }
 

@@ -13,10 +13,7 @@ pub(super) struct Reference<'m> {
 
 impl<'m> Reference<'m> {
     pub(super) fn at(model: &'m Model, q: &[f64]) -> Self {
-        Reference {
-            model,
-            frames: product::frames(model, q),
-        }
+        Reference { model, frames: product::frames(model, q) }
     }
 
     /// The flange, which is the frame of the last row.
@@ -44,10 +41,7 @@ impl<'m> Reference<'m> {
             let (rates, arm) = match row.kind {
                 JointKind::Revolute => {
                     let velocity = [zy * lz - zz * ly, zz * lx - zx * lz, zx * ly - zy * lx];
-                    (
-                        [velocity, [zx, zy, zz]],
-                        (lx * lx + ly * ly + lz * lz).sqrt(),
-                    )
+                    ([velocity, [zx, zy, zz]], (lx * lx + ly * ly + lz * lz).sqrt())
                 }
                 JointKind::Prismatic => ([[zx, zy, zz], [0.0; 3]], 0.0),
             };
@@ -55,10 +49,7 @@ impl<'m> Reference<'m> {
                 let Some((column, distance)) = columns.get_mut(*joint) else {
                     continue;
                 };
-                column
-                    .iter_mut()
-                    .zip(rates.as_flattened())
-                    .for_each(|(sum, rate)| *sum += factor * rate);
+                column.iter_mut().zip(rates.as_flattened()).for_each(|(sum, rate)| *sum += factor * rate);
                 *distance += factor.abs() * arm;
             }
         }
@@ -74,10 +65,7 @@ pub(super) fn tool(model: &Model, q: &[f64]) -> Frame<f64> {
 /// A matrix of the product as a frame.
 pub(super) fn frame([x, y, z]: &Matrix) -> Frame<f64> {
     let [x, y, z] = [x, y, z].map(|[r1, r2, r3, p]| ([*r1, *r2, *r3], *p));
-    Frame {
-        rotation: [x.0, y.0, z.0],
-        translation: [x.1, y.1, z.1],
-    }
+    Frame { rotation: [x.0, y.0, z.0], translation: [x.1, y.1, z.1] }
 }
 
 /// The origin of a frame (m).
@@ -97,11 +85,7 @@ pub(super) fn distance(left: &Matrix, right: &Matrix) -> (f64, f64) {
     for (left, right) in left.iter().zip(right) {
         for (column, (left, right)) in left.iter().zip(right).enumerate() {
             let square = (left - right) * (left - right);
-            *(if column == 3 {
-                &mut position
-            } else {
-                &mut rotation
-            }) += square;
+            *(if column == 3 { &mut position } else { &mut rotation }) += square;
         }
     }
     (f64::sqrt(position), f64::sqrt(rotation / 2.0))

@@ -22,10 +22,7 @@ pub(super) fn smallest(mut columns: Vec<Vec<f64>>) -> f64 {
             break;
         }
     }
-    columns
-        .iter()
-        .map(|column| dot(column, column).sqrt())
-        .fold(f64::INFINITY, f64::min)
+    columns.iter().map(|column| dot(column, column).sqrt()).fold(f64::INFINITY, f64::min)
 }
 
 /// Rotates two columns in their plane until they are orthogonal; false where they already are.
@@ -57,10 +54,7 @@ mod tests {
         assert!((smallest(vec![vec![3.0, 0.0, 0.0], vec![0.0, 2.0, 0.0]]) - 2.0).abs() < 1e-15);
         // [[1, 1], [0, e]]: the product of the values is e, their squares sum to 2 + e^2.
         let small = smallest(vec![vec![1.0, 0.0], vec![1.0, 1e-9]]);
-        assert!(
-            (small / (1e-9 / 2.0_f64.sqrt()) - 1.0).abs() < 1e-6,
-            "{small}"
-        );
+        assert!((small / (1e-9 / 2.0_f64.sqrt()) - 1.0).abs() < 1e-6, "{small}");
         assert!(smallest(vec![vec![1.0, 2.0], vec![2.0, 4.0]]) < 1e-15);
         assert!(smallest(vec![vec![1.0, 0.0], vec![0.0, 1.0], vec![1.0, 1.0]]) < 1e-15);
         assert!(smallest(Vec::new()).is_infinite());

@@ -16,25 +16,17 @@ pub(super) struct Wheres<'m> {
 impl<'m> Wheres<'m> {
     pub(super) fn of(model: &'m Model, problem: Option<usize>) -> Self {
         let problem = problem.and_then(|index| model.problems.get(index));
-        Wheres {
-            model,
-            filters: problem.map_or(&[], |problem| &problem.filters),
-        }
+        Wheres { model, filters: problem.map_or(&[], |problem| &problem.filters) }
     }
 
     /// Whether joint variables satisfy all inequalities, and not just so.
     pub(super) fn clearly_keep(&self, q: &[f64]) -> bool {
-        self.filters.iter().all(|filter| {
-            self.excess(filter, q)
-                .is_some_and(|excess| excess < -MARGIN)
-        })
+        self.filters.iter().all(|filter| self.excess(filter, q).is_some_and(|excess| excess < -MARGIN))
     }
 
     /// Whether joint variables break an inequality, and not just so.
     pub(super) fn clearly_refuse(&self, q: &[f64]) -> bool {
-        self.filters
-            .iter()
-            .any(|filter| self.excess(filter, q).is_some_and(|excess| excess > MARGIN))
+        self.filters.iter().any(|filter| self.excess(filter, q).is_some_and(|excess| excess > MARGIN))
     }
 
     /// The left-hand side, every theta taken in (-pi, pi]; `None` where one is too near the seam.
@@ -42,11 +34,8 @@ impl<'m> Wheres<'m> {
         let mut sum = filter.form.constant.value;
         for (row, factor) in &filter.form.terms {
             let row = self.model.rows.get(*row)?;
-            let varies: f64 = row
-                .terms
-                .iter()
-                .map(|(joint, rate)| rate * q.get(*joint).copied().unwrap_or(0.0))
-                .sum();
+            let varies: f64 =
+                row.terms.iter().map(|(joint, rate)| rate * q.get(*joint).copied().unwrap_or(0.0)).sum();
             sum += factor
                 * match row.kind {
                     JointKind::Prismatic => row.d + varies,

@@ -72,11 +72,7 @@ impl fmt::Display for PlanError {
         match self {
             PlanError::Missing { kind } => write!(f, "the plan has no function {kind:?}"),
             PlanError::Joints { joints } => {
-                write!(
-                    f,
-                    "the robot has {joints} joints, at most {} can be computed",
-                    dh_core::MAX_JOINTS
-                )
+                write!(f, "the robot has {joints} joints, at most {} can be computed", dh_core::MAX_JOINTS)
             }
             PlanError::Problem { index } => write!(f, "the model has no inverse problem {index}"),
             PlanError::Inputs { expected, got } => {
@@ -86,10 +82,7 @@ impl fmt::Display for PlanError {
                 write!(f, "the function has {expected} outputs, its plan {got}")
             }
             PlanError::Candidate { expected, got } => {
-                write!(
-                    f,
-                    "a candidate of {got} joint variables for a robot of {expected} joints"
-                )
+                write!(f, "a candidate of {got} joint variables for a robot of {expected} joints")
             }
             PlanError::Value { index } => write!(f, "the function has no value {index}"),
             PlanError::Undefined { value } => {

@@ -31,9 +31,7 @@ impl<S: Float> Filter<S> {
                 .form
                 .terms
                 .iter()
-                .filter_map(|(row, factor)| {
-                    Some((Variable::of(model, *row)?, S::from_f64(*factor)))
-                })
+                .filter_map(|(row, factor)| Some((Variable::of(model, *row)?, S::from_f64(*factor))))
                 .collect(),
             constant: S::from_f64(filter.form.constant.value),
             strict: filter.strict,
@@ -47,11 +45,7 @@ impl<S: Float> Filter<S> {
         let add = |sum, (variable, factor): &(Variable<S>, S)| sum + *factor * variable.at(q);
         let form = self.terms.iter().fold(self.constant, add);
         let tolerance = S::from_f64(TOLERANCE).max(S::from_f64(16.0) * S::EPSILON);
-        let kept = if self.strict {
-            form < S::ZERO
-        } else {
-            form <= tolerance
-        };
+        let kept = if self.strict { form < S::ZERO } else { form <= tolerance };
         if kept { None } else { Some(form) }
     }
 }
@@ -61,27 +55,14 @@ impl<S: Float> Variable<S> {
         let row = model.rows.get(row)?;
         let angle = row.kind == JointKind::Revolute;
         let zero = if angle { row.theta.value } else { row.d };
-        let terms = row
-            .terms
-            .iter()
-            .map(|(joint, factor)| (*joint, S::from_f64(*factor)))
-            .collect();
-        Some(Variable {
-            angle,
-            zero: S::from_f64(zero),
-            terms,
-        })
+        let terms = row.terms.iter().map(|(joint, factor)| (*joint, S::from_f64(*factor))).collect();
+        Some(Variable { angle, zero: S::from_f64(zero), terms })
     }
 
     fn at(&self, q: &[S]) -> S {
-        let add = |sum, (joint, factor): &(usize, S)| {
-            sum + *factor * q.get(*joint).copied().unwrap_or(S::ZERO)
-        };
+        let add =
+            |sum, (joint, factor): &(usize, S)| sum + *factor * q.get(*joint).copied().unwrap_or(S::ZERO);
         let value = self.terms.iter().fold(self.zero, add);
-        if self.angle {
-            value.wrap_angle()
-        } else {
-            value
-        }
+        if self.angle { value.wrap_angle() } else { value }
     }
 }

@@ -6,8 +6,8 @@ use super::trace::Event;
 use super::{PlanError, Program, robot};
 use crate::plan::{Function, FunctionKind};
 use dh_core::{
-    Bound, FULL_POSE, Float, Frame, IkError, Joint, KeepOut, Kinematics, LengthError, ProblemInfo,
-    Rules, SolutionSet, SumLimit, Target, TargetKind, Winding,
+    Bound, FULL_POSE, Float, Frame, IkError, Joint, KeepOut, Kinematics, LengthError, ProblemInfo, Rules,
+    SolutionSet, SumLimit, Target, TargetKind, Winding,
 };
 
 /// An arm of a table read at run time: [`Kinematics`] by running a [`Program`], and traces of such runs.
@@ -58,11 +58,7 @@ impl<'p, S: Float> Interpreter<'p, S> {
                     target: robot::target_kind(problem.target),
                     free: &problem.free,
                 },
-                None => ProblemInfo {
-                    name: FULL_POSE,
-                    target: TargetKind::Pose,
-                    free: &[],
-                },
+                None => ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
             });
             indices.push(index);
         }
@@ -86,11 +82,7 @@ impl<'p, S: Float> Interpreter<'p, S> {
     ///
     /// # Errors
     /// Where `q` has the wrong length.
-    pub fn trace_fk(
-        &self,
-        q: &[S],
-        observer: impl FnMut(Event<'_, S>),
-    ) -> Result<Frame<S>, LengthError> {
+    pub fn trace_fk(&self, q: &[S], observer: impl FnMut(Event<'_, S>)) -> Result<Frame<S>, LengthError> {
         let registers = self.run(self.fk, q, observer)?;
         Ok(run::frame(&self.fk.routine.outputs, &registers))
     }
@@ -109,18 +101,13 @@ impl<'p, S: Float> Interpreter<'p, S> {
         observer: impl FnMut(Event<'_, S>),
     ) -> Result<(), IkError<S>> {
         out.clear();
-        let place = self
-            .problems
-            .iter()
-            .position(|info| info.name == problem)
-            .ok_or(IkError::UnknownProblem)?;
+        let place =
+            self.problems.iter().position(|info| info.name == problem).ok_or(IkError::UnknownProblem)?;
         let (Some(info), Some(index)) = (self.problems.get(place), self.indices.get(place)) else {
             return Err(IkError::UnknownProblem);
         };
         if target.kind() != info.target {
-            return Err(IkError::WrongTarget {
-                expected: info.target,
-            });
+            return Err(IkError::WrongTarget { expected: info.target });
         }
         LengthError::check(info.free.len(), free.len())?;
         let target = target.validate()?;
@@ -185,16 +172,10 @@ impl<S: Float> Kinematics<S> for Interpreter<'_, S> {
     fn frames_into(&self, q: &[S], out: &mut [Frame<S>]) -> Result<usize, LengthError> {
         let count = self.rows() + 1;
         if out.len() < count {
-            return Err(LengthError {
-                expected: count,
-                got: out.len(),
-            });
+            return Err(LengthError { expected: count, got: out.len() });
         }
         let registers = self.run(self.frames, q, |_| ())?;
-        for (frame, outputs) in out
-            .iter_mut()
-            .zip(self.frames.routine.outputs.chunks_exact(12))
-        {
+        for (frame, outputs) in out.iter_mut().zip(self.frames.routine.outputs.chunks_exact(12)) {
             *frame = run::frame(outputs, &registers);
         }
         Ok(count)
@@ -202,31 +183,15 @@ impl<S: Float> Kinematics<S> for Interpreter<'_, S> {
 
     fn jacobian_into(&self, q: &[S], out: &mut [[S; 6]]) -> Result<(), LengthError> {
         if out.len() < self.joints.len() {
-            return Err(LengthError {
-                expected: self.joints.len(),
-                got: out.len(),
-            });
+            return Err(LengthError { expected: self.joints.len(), got: out.len() });
         }
         let registers = self.run(self.jacobian, q, |_| ())?;
-        let outputs = self
-            .jacobian
-            .routine
-            .outputs
-            .iter()
-            .map(|output| registers.get(*output));
-        out.as_flattened_mut()
-            .iter_mut()
-            .zip(outputs)
-            .for_each(|(entry, output)| *entry = output);
+        let outputs = self.jacobian.routine.outputs.iter().map(|output| registers.get(*output));
+        out.as_flattened_mut().iter_mut().zip(outputs).for_each(|(entry, output)| *entry = output);
         Ok(())
     }
 
-    fn ik_into(
-        &self,
-        problem: &str,
-        target: &Target<S>,
-        out: &mut SolutionSet<S>,
-    ) -> Result<(), IkError<S>> {
+    fn ik_into(&self, problem: &str, target: &Target<S>, out: &mut SolutionSet<S>) -> Result<(), IkError<S>> {
         self.trace_ik(problem, target, &[], out, |_| ())
     }
 }

@@ -21,11 +21,7 @@ pub(super) struct Lowering<'p, S> {
 }
 
 impl<S: Float> Lowering<'_, S> {
-    pub(super) fn steps(
-        &mut self,
-        steps: &[Step],
-        depth: usize,
-    ) -> Result<Vec<Instruction>, PlanError> {
+    pub(super) fn steps(&mut self, steps: &[Step], depth: usize) -> Result<Vec<Instruction>, PlanError> {
         let mut code = Vec::with_capacity(2 * steps.len());
         for step in steps {
             self.step(step, depth, &mut code)?;
@@ -33,12 +29,7 @@ impl<S: Float> Lowering<'_, S> {
         Ok(code)
     }
 
-    fn step(
-        &mut self,
-        step: &Step,
-        depth: usize,
-        code: &mut Vec<Instruction>,
-    ) -> Result<(), PlanError> {
+    fn step(&mut self, step: &Step, depth: usize, code: &mut Vec<Instruction>) -> Result<(), PlanError> {
         match step {
             Step::Let { name, value } => {
                 let to = self.slot(*name)?;
@@ -49,21 +40,12 @@ impl<S: Float> Lowering<'_, S> {
             Step::SinCos { sin, cos, angle } => {
                 let (sin_slot, cos_slot) = (self.slot(*sin)?, self.slot(*cos)?);
                 let angle = self.scalar(angle, code)?;
-                code.push(Instruction::SinCos {
-                    sin: sin_slot,
-                    cos: cos_slot,
-                    angle,
-                });
+                code.push(Instruction::SinCos { sin: sin_slot, cos: cos_slot, angle });
                 self.define(*sin);
                 self.define(*cos);
                 code.extend([Instruction::Named(sin_slot), Instruction::Named(cos_slot)]);
             }
-            Step::Solve {
-                stage,
-                root,
-                equation,
-                body,
-            } => {
+            Step::Solve { stage, root, equation, body } => {
                 self.inverse_only()?;
                 if *stage >= self.function.stages.len() || depth >= MAX_DEPTH {
                     return Err(PlanError::Stage { index: *stage });
@@ -75,37 +57,22 @@ impl<S: Float> Lowering<'_, S> {
                 self.define(*root);
                 let body = self.steps(body, depth + 1)?;
                 self.defined = outside;
-                let solve = Solve {
-                    stage: *stage,
-                    root: root_slot,
-                    equation,
-                    body,
-                };
+                let solve = Solve { stage: *stage, root: root_slot, equation, body };
                 code.push(Instruction::Solve(Box::new(solve)));
             }
             Step::Accept { q } => {
                 self.inverse_only()?;
                 if q.len() != self.joints {
-                    return Err(PlanError::Candidate {
-                        expected: self.joints,
-                        got: q.len(),
-                    });
+                    return Err(PlanError::Candidate { expected: self.joints, got: q.len() });
                 }
-                let registers = q
-                    .iter()
-                    .map(|q| self.scalar(q, code))
-                    .collect::<Result<Vec<_>, _>>()?;
+                let registers = q.iter().map(|q| self.scalar(q, code)).collect::<Result<Vec<_>, _>>()?;
                 code.push(Instruction::Accept(registers));
             }
         }
         Ok(())
     }
 
-    fn equation(
-        &mut self,
-        equation: &Equation,
-        code: &mut Vec<Instruction>,
-    ) -> Result<Kernel, PlanError> {
+    fn equation(&mut self, equation: &Equation, code: &mut Vec<Instruction>) -> Result<Kernel, PlanError> {
         Ok(match equation {
             Equation::Trig { a, b, c } => Kernel::Trig(self.coefficients([a, b, c], code)?),
             Equation::TrigPair { first, second } => {
@@ -113,9 +80,7 @@ impl<S: Float> Lowering<'_, S> {
                 Kernel::TrigPair(first, self.coefficients(second.each_ref(), code)?)
             }
             Equation::Linear { a, c } => Kernel::Linear(self.coefficients([a, c], code)?),
-            Equation::Quadratic { a, b, c } => {
-                Kernel::Quadratic(self.coefficients([a, b, c], code)?)
-            }
+            Equation::Quadratic { a, b, c } => Kernel::Quadratic(self.coefficients([a, b, c], code)?),
         })
     }
 
@@ -141,13 +106,7 @@ impl<S: Float> Lowering<'_, S> {
             Scalar::Value(id) => {
                 let register = self.slot(*id)?;
                 let defined = self.defined.get(id.0).copied().unwrap_or(false);
-                if defined {
-                    Ok(register)
-                } else {
-                    Err(PlanError::Undefined {
-                        value: self.name(*id),
-                    })
-                }
+                if defined { Ok(register) } else { Err(PlanError::Undefined { value: self.name(*id) }) }
             }
             Scalar::Constant(id) => match self.plan.constants.get(id.0) {
                 Some(constant) => Ok(self.register(S::from_f64(constant.value))),
@@ -197,11 +156,7 @@ impl<S: Float> Lowering<'_, S> {
 
     /// The register of a value; its number is the value's.
     fn slot(&self, id: ValueId) -> Result<Register, PlanError> {
-        if id.0 < self.function.values.len() {
-            Ok(id.0)
-        } else {
-            Err(PlanError::Value { index: id.0 })
-        }
+        if id.0 < self.function.values.len() { Ok(id.0) } else { Err(PlanError::Value { index: id.0 }) }
     }
 
     fn define(&mut self, id: ValueId) {
@@ -222,10 +177,6 @@ impl<S: Float> Lowering<'_, S> {
     }
 
     fn inverse_only(&self) -> Result<(), PlanError> {
-        if matches!(self.function.kind, FunctionKind::Inverse(_)) {
-            Ok(())
-        } else {
-            Err(PlanError::Solving)
-        }
+        if matches!(self.function.kind, FunctionKind::Inverse(_)) { Ok(()) } else { Err(PlanError::Solving) }
     }
 }

@@ -3,8 +3,7 @@
 use super::Program;
 use crate::model::{self, Model};
 use dh_core::{
-    Axis, Bound, Float, Joint, JointKind, KeepOut, Limits, Servo, Side, SumLimit, TargetKind,
-    Winding,
+    Axis, Bound, Float, Joint, JointKind, KeepOut, Limits, Servo, Side, SumLimit, TargetKind, Winding,
 };
 
 /// The joints in the order of q.
@@ -35,31 +34,20 @@ fn joint<S: Float>(row: &model::Row) -> Joint<'_, S> {
 }
 
 fn limits<S: Float>(limits: model::Limits) -> Limits<S> {
-    Limits {
-        min: S::from_f64(limits.min),
-        max: S::from_f64(limits.max),
-    }
+    Limits { min: S::from_f64(limits.min), max: S::from_f64(limits.max) }
 }
 
 /// Limits on sums of joints; their terms stand in the program.
 pub(super) fn sums<'p, S: Float>(program: &'p Program<'_, S>) -> Vec<SumLimit<'p, S>> {
     let sums = program.model.sums.iter().zip(&program.sum_terms);
-    sums.map(|(sum, terms)| SumLimit {
-        terms,
-        range: limits(sum.range),
-    })
-    .collect()
+    sums.map(|(sum, terms)| SumLimit { terms, range: limits(sum.range) }).collect()
 }
 
 /// Whole turns; what they carry stands in the program.
 pub(super) fn windings<'p, S: Float>(program: &'p Program<'_, S>) -> Vec<Winding<'p, S>> {
     let windings = program.model.windings.iter().zip(&program.carried);
     windings
-        .map(|(winding, carries)| Winding {
-            joint: winding.joint,
-            turn: S::from_f64(winding.turn),
-            carries,
-        })
+        .map(|(winding, carries)| Winding { joint: winding.joint, turn: S::from_f64(winding.turn), carries })
         .collect()
 }
 
@@ -81,12 +69,7 @@ pub(super) fn bounds<S: Float>(model: &Model) -> Vec<Bound<S>> {
 pub(super) fn keep_out<S: Float>(model: &Model) -> Vec<KeepOut<S>> {
     let corner = |corner: [f64; 3]| corner.map(S::from_f64);
     let boxes = model.workspace.keep_out.iter();
-    boxes
-        .map(|keep_out| KeepOut {
-            min: corner(keep_out.min),
-            max: corner(keep_out.max),
-        })
-        .collect()
+    boxes.map(|keep_out| KeepOut { min: corner(keep_out.min), max: corner(keep_out.max) }).collect()
 }
 
 /// The runtime's word for what a problem prescribes.

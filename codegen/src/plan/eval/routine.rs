@@ -87,11 +87,7 @@ pub(super) struct Routine<S> {
 
 impl<S: Float> Routine<S> {
     /// Checks and lowers one function of a plan.
-    pub(super) fn lower(
-        model: &Model,
-        plan: &Plan,
-        function: &Function,
-    ) -> Result<Self, PlanError> {
+    pub(super) fn lower(model: &Model, plan: &Plan, function: &Function) -> Result<Self, PlanError> {
         let shape = Shape::of(model, &function.kind)?;
         shape.check(function)?;
         let mut lowering = Lowering {
@@ -99,24 +95,13 @@ impl<S: Float> Routine<S> {
             function,
             joints: model.joints.len(),
             start: vec![S::ZERO; function.values.len()],
-            defined: (0..function.values.len())
-                .map(|value| value < function.inputs)
-                .collect(),
+            defined: (0..function.values.len()).map(|value| value < function.inputs).collect(),
         };
         let mut code = lowering.steps(&function.steps, 0)?;
-        let outputs = function
-            .outputs
-            .iter()
-            .map(|output| lowering.scalar(output, &mut code));
+        let outputs = function.outputs.iter().map(|output| lowering.scalar(output, &mut code));
         let outputs = outputs.collect::<Result<_, _>>()?;
         let stages = stages(model, function)?;
-        Ok(Routine {
-            inputs: function.inputs,
-            start: lowering.start,
-            code,
-            outputs,
-            stages,
-        })
+        Ok(Routine { inputs: function.inputs, start: lowering.start, code, outputs, stages })
     }
 }
 
@@ -129,44 +114,26 @@ struct Shape {
 impl Shape {
     fn of(model: &Model, kind: &FunctionKind) -> Result<Self, PlanError> {
         let joints = model.joints.len();
-        let forward = |outputs| Shape {
-            inputs: joints,
-            outputs,
-        };
+        let forward = |outputs| Shape { inputs: joints, outputs };
         Ok(match kind {
             FunctionKind::Fk | FunctionKind::FkFlange => forward(12),
             FunctionKind::Jacobian => forward(6 * joints),
             FunctionKind::FkJacobian => forward(12 + 6 * joints),
             FunctionKind::Frames => forward(12 * (model.rows.len() + 1)),
-            FunctionKind::Inverse(None) => Shape {
-                inputs: target_inputs(Target::Pose).len(),
-                outputs: 0,
-            },
+            FunctionKind::Inverse(None) => Shape { inputs: target_inputs(Target::Pose).len(), outputs: 0 },
             FunctionKind::Inverse(Some(index)) => {
-                let problem = model
-                    .problems
-                    .get(*index)
-                    .ok_or(PlanError::Problem { index: *index })?;
-                Shape {
-                    inputs: target_inputs(problem.target).len() + problem.free.len(),
-                    outputs: 0,
-                }
+                let problem = model.problems.get(*index).ok_or(PlanError::Problem { index: *index })?;
+                Shape { inputs: target_inputs(problem.target).len() + problem.free.len(), outputs: 0 }
             }
         })
     }
 
     fn check(&self, function: &Function) -> Result<(), PlanError> {
         if function.inputs != self.inputs || function.inputs > function.values.len() {
-            return Err(PlanError::Inputs {
-                expected: self.inputs,
-                got: function.inputs,
-            });
+            return Err(PlanError::Inputs { expected: self.inputs, got: function.inputs });
         }
         if function.outputs.len() != self.outputs {
-            return Err(PlanError::Outputs {
-                expected: self.outputs,
-                got: function.outputs.len(),
-            });
+            return Err(PlanError::Outputs { expected: self.outputs, got: function.outputs.len() });
         }
         Ok(())
     }
@@ -183,12 +150,7 @@ fn stages(model: &Model, function: &Function) -> Result<Vec<dh_core::Step>, Plan
         let first = model.rows.get(stage.rows.trailing_zeros() as usize);
         let prismatic = first.is_some_and(|row| row.kind == JointKind::Prismatic);
         let index = u8::try_from(index).map_err(|_| PlanError::Stage { index })?;
-        Ok(dh_core::Step {
-            index,
-            rows: stage.rows,
-            prismatic,
-            measure,
-        })
+        Ok(dh_core::Step { index, rows: stage.rows, prismatic, measure })
     };
     function.stages.iter().enumerate().map(step).collect()
 }

@@ -36,15 +36,9 @@ impl<S: Float> Registers<S> {
             Instruction::Copy { to, from } => self.set(to, self.get(from)),
             Instruction::Negate { to, from } => self.set(to, -self.get(from)),
             Instruction::Add { to, left, right } => self.set(to, self.get(left) + self.get(right)),
-            Instruction::Subtract { to, left, right } => {
-                self.set(to, self.get(left) - self.get(right))
-            }
-            Instruction::Multiply { to, left, right } => {
-                self.set(to, self.get(left) * self.get(right))
-            }
-            Instruction::Divide { to, left, right } => {
-                self.set(to, self.get(left) / self.get(right))
-            }
+            Instruction::Subtract { to, left, right } => self.set(to, self.get(left) - self.get(right)),
+            Instruction::Multiply { to, left, right } => self.set(to, self.get(left) * self.get(right)),
+            Instruction::Divide { to, left, right } => self.set(to, self.get(left) / self.get(right)),
             Instruction::SinCos { sin, cos, angle } => {
                 let (s, c) = self.get(angle).sin_cos();
                 self.set(sin, s);
@@ -78,19 +72,14 @@ fn named<S: Float>(
     observer: &mut impl FnMut(Event<'_, S>),
 ) {
     if let Some(name) = names.values.get(register) {
-        observer(Event::Value {
-            name,
-            value: registers.get(register),
-        });
+        observer(Event::Value { name, value: registers.get(register) });
     }
 }
 
 /// 12 outputs of a function, from the given one on, as a frame.
 pub(super) fn frame<S: Float>(outputs: &[Register], registers: &Registers<S>) -> Frame<S> {
     let mut rows = [S::ZERO; 12];
-    rows.iter_mut()
-        .zip(outputs)
-        .for_each(|(entry, output)| *entry = registers.get(*output));
+    rows.iter_mut().zip(outputs).for_each(|(entry, output)| *entry = registers.get(*output));
     Frame::from_rows(rows)
 }
 
@@ -131,47 +120,31 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
     }
 
     fn solve(&mut self, solve: &Solve, registers: &mut Registers<S>) {
-        let (Some(step), Some(stage)) = (
-            self.routine.stages.get(solve.stage),
-            self.names.stages.get(solve.stage),
-        ) else {
+        let (Some(step), Some(stage)) =
+            (self.routine.stages.get(solve.stage), self.names.stages.get(solve.stage))
+        else {
             return;
         };
         let roots = self.roots(*step, solve.equation, registers);
         let count = roots.into_iter().count();
-        (self.observer)(Event::Stage {
-            index: solve.stage,
-            stage,
-            roots: count,
-        });
+        (self.observer)(Event::Stage { index: solve.stage, stage, roots: count });
         for (number, root) in roots.into_iter().enumerate() {
             registers.set(solve.root, root);
             let name = self.names.values.get(solve.root).map_or("", String::as_str);
-            (self.observer)(Event::Root {
-                stage: solve.stage,
-                number,
-                name,
-                value: root,
-            });
+            (self.observer)(Event::Root { stage: solve.stage, number, name, value: root });
             self.block(&solve.body, registers);
         }
         (self.observer)(Event::Done { stage: solve.stage });
     }
 
-    fn roots(
-        &mut self,
-        step: dh_core::Step,
-        equation: Kernel,
-        registers: &Registers<S>,
-    ) -> Roots<S> {
+    fn roots(&mut self, step: dh_core::Step, equation: Kernel, registers: &Registers<S>) -> Roots<S> {
         match equation {
             Kernel::Trig(coefficients) => {
                 let [a, b, c] = registers.all(coefficients);
                 self.search.trig(step, a, b, c)
             }
             Kernel::TrigPair(first, second) => {
-                self.search
-                    .trig_pair(step, registers.all(first), registers.all(second))
+                self.search.trig_pair(step, registers.all(first), registers.all(second))
             }
             Kernel::Linear(coefficients) => {
                 let [a, c] = registers.all(coefficients);
@@ -186,33 +159,22 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
 
     fn accept(&mut self, candidate: &[Register], registers: &Registers<S>) {
         let mut q = [S::ZERO; MAX_JOINTS];
-        q.iter_mut()
-            .zip(candidate)
-            .for_each(|(q, register)| *q = registers.get(*register));
+        q.iter_mut().zip(candidate).for_each(|(q, register)| *q = registers.get(*register));
         let joints = q.get(..self.dof).unwrap_or_default();
         let mut forward_registers = Registers::of(self.fk, joints.iter().copied());
-        self.fk
-            .code
-            .iter()
-            .for_each(|instruction| forward_registers.compute(instruction));
+        self.fk.code.iter().for_each(|instruction| forward_registers.compute(instruction));
         let tool = frame(&self.fk.outputs, &forward_registers);
         let (position_error, rotation_error) = self.target.errors(&tool);
-        let broken = self.filters.iter().enumerate().find_map(|(index, filter)| {
-            filter
-                .broken_by(joints)
-                .map(|excess| Rule::Where { index, excess })
-        });
+        let broken =
+            self.filters.iter().enumerate().find_map(|(index, filter)| {
+                filter.broken_by(joints).map(|excess| Rule::Where { index, excess })
+            });
         // Only what is a solution can be refused for its joints; a false root is the search's to judge.
         let tolerance = residual_tolerance::<S>();
         let hits = position_error <= tolerance * self.reach && rotation_error <= tolerance;
         let refusal = broken.filter(|_| hits);
         let kept = hits && refusal.is_none();
-        (self.observer)(Event::Candidate {
-            q: joints,
-            position_error,
-            rotation_error,
-            kept,
-        });
+        (self.observer)(Event::Candidate { q: joints, position_error, rotation_error, kept });
         match refusal {
             Some(rule) => self.search.refuse(rule),
             None => self.search.accept(q, position_error, rotation_error),
