@@ -1,0 +1,172 @@
+//! One robot as motion, drivers and the command line see it.
+
+use crate::{
+    Float, Frame, IkError, Joint, LengthError, Rules, SolutionSet, Target, TargetKind, Violations,
+};
+
+/// The name of the inverse problem of the full pose.
+pub const FULL_POSE: &str = "pose";
+
+/// An inverse problem that a robot can solve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ProblemInfo<'a> {
+    /// Its name in the table; [`FULL_POSE`] for the full pose.
+    pub name: &'a str,
+    /// What it prescribes.
+    pub target: TargetKind,
+    /// Joints left to the caller (indices of q).
+    pub free: &'a [usize],
+}
+
+/// The kinematics of one robot, over slices, so that it can be used as `&dyn Kinematics`. Every generated arm and the
+/// interpreter of a table implement it.
+///
+/// Joint values are radians (metres for prismatic joints), lengths metres, frames those of the tool in the base.
+pub trait Kinematics<S: Float = f64> {
+    /// The robot's name.
+    fn name(&self) -> &str;
+
+    /// A hash of its table, for logs and drivers to compare.
+    fn fingerprint(&self) -> u64;
+
+    /// How many rows its table has, held ones included: one less than there are frames.
+    fn rows(&self) -> usize;
+
+    /// The joints, and where joints and tool point may be.
+    fn rules(&self) -> Rules<'_, S>;
+
+    /// The inverse problems that it can solve.
+    fn problems(&self) -> &[ProblemInfo<'_>];
+
+    /// Pose of the tool frame in the base frame.
+    ///
+    /// # Errors
+    /// Where `q` has the wrong length.
+    fn fk(&self, q: &[S]) -> Result<Frame<S>, LengthError>;
+
+    /// The same without the tool.
+    ///
+    /// # Errors
+    /// Where `q` has the wrong length.
+    fn fk_flange(&self, q: &[S]) -> Result<Frame<S>, LengthError>;
+
+    /// The frame of every row, base first, and how many there are.
+    ///
+    /// # Errors
+    /// Where `q` has the wrong length, or `out` is shorter than `rows() + 1`.
+    fn frames_into(&self, q: &[S], out: &mut [Frame<S>]) -> Result<usize, LengthError>;
+
+    /// The columns of the geometric Jacobian at the tool point, in base axes: vx vy vz (m) wx wy wz (rad), per radian
+    /// or metre of the joint.
+    ///
+    /// # Errors
+    /// Where `q` has the wrong length, or `out` is shorter than `dof()`.
+    fn jacobian_into(&self, q: &[S], out: &mut [[S; 6]]) -> Result<(), LengthError>;
+
+    /// Every geometric solution of an inverse problem ([`FULL_POSE`] or a name of the table), limits ignored.
+    ///
+    /// # Errors
+    /// Why there is none; `out` is empty then.
+    fn ik_into(
+        &self,
+        problem: &str,
+        target: &Target<S>,
+        out: &mut SolutionSet<S>,
+    ) -> Result<(), IkError<S>>;
+
+    /// How many joints it has.
+    fn dof(&self) -> usize {
+        self.joints().len()
+    }
+
+    /// Its joints, in the order of q.
+    fn joints(&self) -> &[Joint<'_, S>] {
+        self.rules().joints
+    }
+
+    /// The tool point (m) in the frame that the workspace rules are written in: the base frame of the table.
+    ///
+    /// # Errors
+    /// Where `q` has the wrong length.
+    fn rules_point(&self, q: &[S]) -> Result<[S; 3], LengthError> {
+        self.fk(q).map(|tool| tool.translation)
+    }
+
+    /// The solutions that limits and rules allow: see [`Solutions::within`](crate::Solutions::within).
+    ///
+    /// # Errors
+    /// Why there is none; `out` is empty then.
+    fn ik_within(
+        &self,
+        problem: &str,
+        target: &Target<S>,
+        seed: Option<&[S]>,
+        out: &mut SolutionSet<S>,
+    ) -> Result<(), IkError<S>> {
+        self.ik_into(problem, target, out)?;
+        // The solutions have the right length: the point is always there.
+        out.within(
+            &self.rules(),
+            |q| self.rules_point(q).unwrap_or([S::NAN; 3]),
+            seed,
+        )
+    }
+
+    /// Whether limits and rules allow these joint values.
+    ///
+    /// # Errors
+    /// Everything that they break, a wrong number of values included.
+    #[allow(
+        clippy::result_large_err,
+        reason = "no heap: the error holds the joint values that it speaks of"
+    )]
+    fn check(&self, q: &[S]) -> Result<(), Violations<'_, S>> {
+        match self.rules_point(q) {
+            Ok(position) => self.rules().check(q, position),
+            Err(_) => Err(Violations::of_length(self.rules(), q)),
+        }
+    }
+}
+
+/// A borrowed robot is one, `&dyn Kinematics` too: what takes a robot by value, like [`Mounted`](crate::Mounted), can
+/// be given a reference.
+impl<K: Kinematics<S> + ?Sized, S: Float> Kinematics<S> for &K {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+    fn fingerprint(&self) -> u64 {
+        (**self).fingerprint()
+    }
+    fn rows(&self) -> usize {
+        (**self).rows()
+    }
+    fn rules(&self) -> Rules<'_, S> {
+        (**self).rules()
+    }
+    fn problems(&self) -> &[ProblemInfo<'_>] {
+        (**self).problems()
+    }
+    fn fk(&self, q: &[S]) -> Result<Frame<S>, LengthError> {
+        (**self).fk(q)
+    }
+    fn fk_flange(&self, q: &[S]) -> Result<Frame<S>, LengthError> {
+        (**self).fk_flange(q)
+    }
+    fn frames_into(&self, q: &[S], out: &mut [Frame<S>]) -> Result<usize, LengthError> {
+        (**self).frames_into(q, out)
+    }
+    fn jacobian_into(&self, q: &[S], out: &mut [[S; 6]]) -> Result<(), LengthError> {
+        (**self).jacobian_into(q, out)
+    }
+    fn ik_into(
+        &self,
+        problem: &str,
+        target: &Target<S>,
+        out: &mut SolutionSet<S>,
+    ) -> Result<(), IkError<S>> {
+        (**self).ik_into(problem, target, out)
+    }
+    fn rules_point(&self, q: &[S]) -> Result<[S; 3], LengthError> {
+        (**self).rules_point(q)
+    }
+}

@@ -1,0 +1,247 @@
+//! A search for all solutions of one inverse problem: equations are solved one after the other, candidates are
+//! accepted or refused, and where nothing is found the failure that came furthest says why.
+
+mod polynomial;
+mod trigonometric;
+
+use crate::{Float, IkError, Rule, Solution, Solutions, Step, Winding, residual_tolerance};
+
+/// Coefficients up to this many machine epsilons (of the size of the numbers that the equation is made of) are what
+/// rounding leaves of 0.
+const VANISHING: f64 = 64.0;
+
+/// A double root is taken for one, rather than for two that rounding has driven apart, up to this many machine epsilons
+/// (of the size of the numbers that the equation is made of) inside the edge of the domain.
+const DOUBLE_ROOT: f64 = 4.0;
+
+/// A search for the solutions of one inverse problem of a robot with `N` joints.
+///
+/// Generated code nests its equations: for each root of the first the second is solved, and so on; innermost it hands
+/// in a candidate.
+///
+/// ```
+/// use dh_core::{Measure, Search, Step};
+/// // x = cos(theta1), at 0.5
+/// const STEP_1: Step = Step::new(0, 0b1, false, Measure::Length);
+/// let mut search = Search::<1>::new(1.0, &[]);
+/// for theta1 in search.trig(STEP_1, 1.0, 0.0, 0.5) {
+///     search.accept([theta1], 0.0, 0.0);
+/// }
+/// let solutions = search.finish()?;
+/// assert_eq!(solutions.len(), 2);
+/// # Ok::<(), dh_core::IkError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Search<'a, const N: usize, S = f64> {
+    reach: S,
+    windings: &'a [Winding<'a, S>],
+    solutions: Solutions<N, S>,
+    /// Bit i is set where step i, solved last, left its unknown free.
+    free_steps: u32,
+    /// The first row of each free step.
+    free_rows: [u8; u32::BITS as usize],
+    failure: Option<Failure<S>>,
+}
+
+/// Why a branch ended.
+#[derive(Debug, Clone, Copy)]
+struct Failure<S> {
+    /// How far it came.
+    depth: u32,
+    /// By how much it failed, relative to the size of the numbers involved.
+    miss: S,
+    error: IkError<S>,
+}
+
+/// A candidate that misses its target says less than any step that fails.
+const DEPTH_OF_MISSED: u32 = 0;
+/// A candidate that a condition refuses was a solution: it came further than any step.
+const DEPTH_OF_REFUSED: u32 = u32::MAX;
+
+/// Roots of an equation in one unknown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Roots<S = f64>([Option<S>; 2]);
+
+impl<S> Roots<S> {
+    const fn one(root: S) -> Self {
+        Self([Some(root), None])
+    }
+    const fn two(first: S, second: S) -> Self {
+        Self([Some(first), Some(second)])
+    }
+}
+
+impl<S: Float> Roots<S> {
+    /// No root.
+    pub const NONE: Self = Self([None, None]);
+
+    /// How many roots there are.
+    pub fn len(&self) -> usize {
+        self.into_iter().count()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl<S> IntoIterator for Roots<S> {
+    type Item = S;
+    type IntoIter = core::iter::Flatten<core::array::IntoIter<Option<S>, 2>>;
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.into_iter().flatten()
+    }
+}
+
+impl<'a, const N: usize, S: Float> Search<'a, N, S> {
+    /// A new search. The reach (m) of the arm gives tolerances their scale; the windings
+    /// ([`Rules::windings`](crate::Rules::windings)) say which whole turns make no difference.
+    pub fn new(reach: S, windings: &'a [Winding<'a, S>]) -> Self {
+        // An arm that has orientations only has no reach; its lengths are all 0, and so are their errors.
+        let reach = if reach > S::ZERO && reach.is_finite() {
+            reach
+        } else {
+            S::ONE
+        };
+        Self {
+            reach,
+            windings,
+            solutions: Solutions::empty(),
+            free_steps: 0,
+            free_rows: [0; u32::BITS as usize],
+            failure: None,
+        }
+    }
+
+    /// Takes a candidate (rad or m) with its errors against the target (m, rad). Revolute joints are brought to
+    /// (-pi, pi]. A candidate that misses its target, a false root of a squared equation, is dropped.
+    pub fn accept(&mut self, q: [S; N], position_error: S, rotation_error: S) {
+        let tolerance: S = residual_tolerance();
+        let hits = position_error <= tolerance * self.reach && rotation_error <= tolerance;
+        if !(hits && q.iter().all(|value| value.is_finite())) {
+            let miss = (position_error / self.reach).max(rotation_error);
+            self.fail(
+                DEPTH_OF_MISSED,
+                miss,
+                IkError::Failed {
+                    position_error,
+                    rotation_error,
+                },
+            );
+            return;
+        }
+        let mut q = q;
+        crate::rules::wrap_all(self.windings, &mut q);
+        let free = self.free_row();
+        self.solutions.push(
+            Solution {
+                q,
+                position_error,
+                rotation_error,
+                free,
+            },
+            self.windings,
+        );
+    }
+
+    /// Notes that a candidate was a solution but breaks a condition of the problem.
+    pub fn refuse(&mut self, rule: Rule<S>) {
+        let miss = if let Rule::Where { excess, .. } = rule {
+            excess
+        } else {
+            S::ZERO
+        };
+        self.fail(DEPTH_OF_REFUSED, miss, IkError::Forbidden { rule });
+    }
+
+    /// What was found.
+    ///
+    /// # Errors
+    /// Where nothing was: the failure of the branch that came furthest; of several at the same step, the one that
+    /// failed by least.
+    pub fn finish(self) -> Result<Solutions<N, S>, IkError<S>> {
+        if self.solutions.is_empty() {
+            return Err(self
+                .failure
+                .map_or(IkError::NotFinite, |failure| failure.error));
+        }
+        Ok(self.solutions)
+    }
+
+    fn fail(&mut self, depth: u32, miss: S, error: IkError<S>) {
+        let further = self
+            .failure
+            .is_none_or(|old| depth > old.depth || (depth == old.depth && miss < old.miss));
+        if further {
+            self.failure = Some(Failure { depth, miss, error });
+        }
+    }
+
+    fn fail_step(&mut self, step: Step, miss: S, error: IkError<S>) -> Roots<S> {
+        self.fail(u32::from(step.index) + 1, miss, error);
+        Roots::NONE
+    }
+
+    /// A step begins: what it left free on another branch is forgotten.
+    fn begin(&mut self, step: Step) -> Scale<S> {
+        self.free_steps &= !bit(step);
+        let size = step.measure.scale(self.reach);
+        Scale {
+            size,
+            vanishing: S::from_f64(VANISHING) * S::EPSILON * size,
+            tolerance: residual_tolerance::<S>() * size,
+        }
+    }
+
+    /// The coefficients of a step vanish: any value does, or none.
+    fn degenerate(&mut self, step: Step, gap: S, scale: &Scale<S>) -> Roots<S> {
+        if gap > scale.tolerance {
+            return self.singular(step, gap, scale);
+        }
+        self.free_steps |= bit(step);
+        if let Some(row) = self.free_rows.get_mut(usize::from(step.index)) {
+            *row = step.first_row() as u8;
+        }
+        Roots::one(S::ZERO)
+    }
+
+    fn singular(&mut self, step: Step, gap: S, scale: &Scale<S>) -> Roots<S> {
+        self.fail_step(
+            step,
+            gap / scale.size,
+            IkError::Singular {
+                joint: step.first_row(),
+                gap,
+            },
+        )
+    }
+
+    fn not_finite(&mut self, step: Step) -> Roots<S> {
+        self.fail_step(step, S::INFINITY, IkError::NotFinite)
+    }
+
+    /// The first row of the outermost step that is free now.
+    fn free_row(&self) -> Option<usize> {
+        if self.free_steps == 0 {
+            return None;
+        }
+        self.free_rows
+            .get(self.free_steps.trailing_zeros() as usize)
+            .map(|row| usize::from(*row))
+    }
+}
+
+/// The numbers that a step's coefficients are compared with.
+struct Scale<S> {
+    /// Size of the numbers that the equation is made of: the reach, its square, or 1.
+    size: S,
+    /// Coefficients up to here are 0.
+    vanishing: S,
+    /// A gap or an excess up to here is left to the residual of the candidate to judge.
+    tolerance: S,
+}
+
+fn bit(step: Step) -> u32 {
+    1_u32.checked_shl(u32::from(step.index)).unwrap_or(0)
+}

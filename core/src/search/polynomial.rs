@@ -1,0 +1,83 @@
+//! Equations in one unknown and its square.
+
+use super::{DOUBLE_ROOT, Roots, Scale, Search};
+use crate::{Float, IkError, Step};
+
+impl<const N: usize, S: Float> Search<'_, N, S> {
+    /// The x (m, or rad) with a x = c.
+    pub fn linear(&mut self, step: Step, a: S, c: S) -> Roots<S> {
+        let scale = self.begin(step);
+        self.solve_linear(step, a * self.unit(step), c, &scale)
+    }
+
+    /// The x (m, or rad) with a x² + b x + c = 0: two, or one at the edge of the domain or where a vanishes.
+    ///
+    /// The root of greater size is computed without a difference, the other from the product of the two \[Press et al.,
+    /// Numerical Recipes, §5.6\]; the discriminant as a product of sum and difference of b/2 and sqrt(a c).
+    pub fn quadratic(&mut self, step: Step, a: S, b: S, c: S) -> Roots<S> {
+        let scale = self.begin(step);
+        // In units of the reach: every term has the dimension and the size of the equation then.
+        let unit = self.unit(step);
+        let (a, half, c) = (a * unit * unit, b * unit / S::TWO, c);
+        if !(a.is_finite() && half.is_finite() && c.is_finite()) {
+            return self.not_finite(step);
+        }
+        if a.abs() <= scale.vanishing {
+            return self.solve_linear(step, S::TWO * half, -c, &scale);
+        }
+        let mean = a.abs().sqrt() * c.abs().sqrt();
+        let size = half.abs();
+        let one_sign = (a > S::ZERO) == (c > S::ZERO);
+        // How far the equation is from a double root, in its own dimension: (half² - a c) / |a|.
+        let inside = if one_sign {
+            (size - mean) * (size + mean)
+        } else {
+            size * size + mean * mean
+        } / a.abs();
+        if inside < -scale.tolerance {
+            let excess = (mean - size) / a.abs() * unit;
+            return self.fail_step(
+                step,
+                -inside / scale.size,
+                IkError::Unreachable { step, excess },
+            );
+        }
+        if inside <= S::from_f64(DOUBLE_ROOT) * S::EPSILON * scale.size.max(size * size / a.abs()) {
+            return Roots::one(-half / a * unit);
+        }
+        let root = (inside * a.abs()).sqrt();
+        let greater = if half < S::ZERO {
+            size + root
+        } else {
+            -(size + root)
+        };
+        let (first, second) = (greater / a * unit, c / greater * unit);
+        match (first.is_finite(), second.is_finite()) {
+            (true, true) => Roots::two(first, second),
+            (true, false) => Roots::one(first),
+            (false, true) => Roots::one(second),
+            (false, false) => self.not_finite(step),
+        }
+    }
+
+    /// `a` is in the dimension of the equation, for an unknown in units of the reach.
+    fn solve_linear(&mut self, step: Step, a: S, c: S, scale: &Scale<S>) -> Roots<S> {
+        if !(a.is_finite() && c.is_finite()) {
+            return self.not_finite(step);
+        }
+        if a.abs() <= scale.vanishing {
+            return self.degenerate(step, c.abs(), scale);
+        }
+        let root = c / a * self.unit(step);
+        if root.is_finite() {
+            Roots::one(root)
+        } else {
+            self.not_finite(step)
+        }
+    }
+
+    /// The size of the unknown: the reach (m), or 1 rad.
+    fn unit(&self, step: Step) -> S {
+        if step.prismatic { self.reach } else { S::ONE }
+    }
+}

@@ -1,0 +1,182 @@
+//! What an inverse problem has for an answer: at most sixteen sets of joint values, on the stack.
+
+use core::ops::Deref;
+
+use crate::rules::wrap_all;
+use crate::windings::{Unlimited, Windings};
+use crate::{Float, MAX_SOLUTIONS, Rules, Winding};
+
+/// One solution of an inverse problem.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solution<const N: usize, S = f64> {
+    /// Joint values (rad or m).
+    pub q: [S; N],
+    /// How far `fk(q)` is from the target in position (m), in what the target prescribes of it.
+    pub position_error: S,
+    /// How far `fk(q)` is from the target in orientation (rad), in what the target prescribes of it.
+    pub rotation_error: S,
+    /// Where the target leaves a joint free, that joint's row in the table (0-based); `q` holds one of its values then.
+    pub free: Option<usize>,
+}
+
+impl<const N: usize, S: Float> Solution<N, S> {
+    /// The greater of the two errors, metres and radians side by side.
+    pub fn residual(&self) -> S {
+        self.position_error.max(self.rotation_error)
+    }
+
+    /// The same solution with whole turns added, lazily: every set of joint values inside the joint limits and the
+    /// limits on sums. A joint without limits is left where it is.
+    pub fn windings<'a>(&self, rules: &Rules<'a, S>) -> Windings<'a, N, S> {
+        Windings::new(self.q, *rules, Unlimited::Stay)
+    }
+}
+
+/// Solutions of an inverse problem: at least one, at most [`MAX_SOLUTIONS`]. A slice of [`Solution`] in all other
+/// respects.
+#[derive(Debug, Clone)]
+pub struct Solutions<const N: usize, S = f64> {
+    items: [Solution<N, S>; MAX_SOLUTIONS],
+    len: usize,
+    dropped: usize,
+}
+
+/// Two solutions are one if no joint differs by more than this many times the square root of the machine epsilon
+/// (rad or m; modulo whole turns): 2e-7 in f64, 6e-3 in f32. A rounding error of one epsilon drives a double root that
+/// far apart, within a small factor.
+const DUPLICATE: f64 = 16.0;
+
+impl<const N: usize, S: Float> Solutions<N, S> {
+    pub(crate) const fn empty() -> Self {
+        let nothing = Solution {
+            q: [S::ZERO; N],
+            position_error: S::ZERO,
+            rotation_error: S::ZERO,
+            free: None,
+        };
+        Self {
+            items: [nothing; MAX_SOLUTIONS],
+            len: 0,
+            dropped: 0,
+        }
+    }
+
+    /// A set of one solution.
+    pub fn one(solution: Solution<N, S>) -> Self {
+        let mut solutions = Self::empty();
+        solutions.append(solution);
+        solutions
+    }
+
+    /// Adds a solution, unless it is there already, whole turns aside; of the two the one with the smaller residual
+    /// stays. Where the set is full the solution is counted in [`Solutions::dropped`] instead.
+    pub fn push(&mut self, solution: Solution<N, S>, windings: &[Winding<'_, S>]) {
+        for known in self.as_mut_slice() {
+            if same(&known.q, &solution.q, windings) {
+                if solution.residual() < known.residual() {
+                    *known = solution;
+                }
+                return;
+            }
+        }
+        self.append(solution);
+    }
+
+    pub(crate) fn append(&mut self, solution: Solution<N, S>) {
+        if let Some(slot) = self.items.get_mut(self.len) {
+            *slot = solution;
+            self.len += 1;
+        } else {
+            self.dropped += 1;
+        }
+    }
+
+    /// How many solutions found no room.
+    pub fn dropped(&self) -> usize {
+        self.dropped
+    }
+
+    /// The solutions.
+    pub fn as_slice(&self) -> &[Solution<N, S>] {
+        self.items.get(..self.len).unwrap_or(&[])
+    }
+
+    pub(crate) fn as_mut_slice(&mut self) -> &mut [Solution<N, S>] {
+        self.items.get_mut(..self.len).unwrap_or(&mut [])
+    }
+
+    /// The solution with the least joint travel from `q`: the least root of the sum of squares (rad and m side by
+    /// side), of the values as they are. Of equal ones the first.
+    pub fn nearest(&self, q: &[S; N]) -> &Solution<N, S> {
+        let [first, others @ ..] = &self.items;
+        let mut best = (first, travel(&first.q, q));
+        for solution in others.iter().take(self.len.saturating_sub(1)) {
+            let distance = travel(&solution.q, q);
+            if distance < best.1 {
+                best = (solution, distance);
+            }
+        }
+        best.0
+    }
+
+    /// Puts the solution with the least joint travel from `q` first, and so on.
+    pub fn sort_by_distance(&mut self, q: &[S; N]) {
+        let mut rest = self.as_mut_slice();
+        while let [first, others @ ..] = rest {
+            for other in others.iter_mut() {
+                if travel(&other.q, q) < travel(&first.q, q) {
+                    core::mem::swap(first, other);
+                }
+            }
+            rest = others;
+        }
+    }
+}
+
+/// The square of the joint travel from `a` to `b`.
+pub(crate) fn travel<S: Float>(a: &[S], b: &[S]) -> S {
+    a.iter()
+        .zip(b)
+        .fold(S::ZERO, |sum, (a, b)| sum + (*a - *b) * (*a - *b))
+}
+
+/// Whether two sets of joint values are the same but for whole turns.
+fn same<const N: usize, S: Float>(a: &[S; N], b: &[S; N], windings: &[Winding<'_, S>]) -> bool {
+    let mut difference = *a;
+    for (x, y) in difference.iter_mut().zip(b) {
+        *x -= *y;
+    }
+    wrap_all(windings, &mut difference);
+    difference
+        .iter()
+        .all(|x| x.abs() <= S::from_f64(DUPLICATE) * S::SQRT_EPSILON)
+}
+
+impl<const N: usize, S: Float> Deref for Solutions<N, S> {
+    type Target = [Solution<N, S>];
+    fn deref(&self) -> &Self::Target {
+        self.as_slice()
+    }
+}
+
+impl<const N: usize, S: Float> PartialEq for Solutions<N, S> {
+    fn eq(&self, other: &Self) -> bool {
+        self.as_slice() == other.as_slice()
+    }
+}
+
+impl<const N: usize, S: Float> IntoIterator for Solutions<N, S> {
+    type Item = Solution<N, S>;
+    type IntoIter = core::iter::Take<core::array::IntoIter<Solution<N, S>, MAX_SOLUTIONS>>;
+    fn into_iter(self) -> Self::IntoIter {
+        self.items.into_iter().take(self.len)
+    }
+}
+
+impl<'a, const N: usize, S: Float> IntoIterator for &'a Solutions<N, S> {
+    type Item = &'a Solution<N, S>;
+    type IntoIter = core::slice::Iter<'a, Solution<N, S>>;
+    fn into_iter(self) -> Self::IntoIter {
+        self.as_slice().iter()
+    }
+}

@@ -1,0 +1,80 @@
+//! What one step of an inverse solution finds; errors name it.
+
+use core::fmt;
+
+use crate::Float;
+
+/// One solving step of an inverse problem.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Step {
+    /// Its place among the steps, from 0; deeper steps have greater ones.
+    pub index: u8,
+    /// Bit i is set where theta (or d) of row i is part of the unknown.
+    pub rows: u32,
+    /// Whether the unknown is a length (d) rather than an angle (theta).
+    pub prismatic: bool,
+    /// The dimension of the equation, that is, of each of its terms.
+    pub measure: Measure,
+}
+
+/// Dimension of an equation: of its right-hand side and of each of its terms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Measure {
+    /// Dimensionless (or radians).
+    Ratio,
+    /// m
+    Length,
+    /// m²
+    Area,
+}
+
+impl Measure {
+    /// The size of the numbers that such an equation of an arm of this reach (m) is made of.
+    pub(crate) fn scale<S: Float>(self, reach: S) -> S {
+        match self {
+            Self::Ratio => S::ONE,
+            Self::Length => reach,
+            Self::Area => reach * reach,
+        }
+    }
+}
+
+impl Step {
+    /// A step.
+    pub const fn new(index: u8, rows: u32, prismatic: bool, measure: Measure) -> Self {
+        Self {
+            index,
+            rows,
+            prismatic,
+            measure,
+        }
+    }
+
+    /// The first row (0-based) whose theta or d is part of the unknown.
+    pub const fn first_row(&self) -> usize {
+        if self.rows == 0 {
+            0
+        } else {
+            self.rows.trailing_zeros() as usize
+        }
+    }
+
+    /// Whether the excess of [`IkError::Unreachable`](crate::IkError::Unreachable) is in metres rather than a ratio.
+    pub const fn excess_is_length(&self) -> bool {
+        self.prismatic || matches!(self.measure, Measure::Length)
+    }
+}
+
+/// `step 2 (theta2 + theta3)`, counted from 1.
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "step {} (", u32::from(self.index) + 1)?;
+        let symbol = if self.prismatic { "d" } else { "theta" };
+        let mut separator = "";
+        for row in (0..u32::BITS).filter(|row| self.rows & (1 << row) != 0) {
+            write!(f, "{separator}{symbol}{}", row + 1)?;
+            separator = " + ";
+        }
+        f.write_str(")")
+    }
+}
