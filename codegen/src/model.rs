@@ -8,6 +8,8 @@ use std::ops::Range;
 mod angle;
 /// Fixed transforms between joints.
 pub mod chain;
+/// The plain product of the rows, for verification.
+pub mod product;
 mod recentre;
 
 pub use angle::EXACT_ANGLE_TOLERANCE;
@@ -354,3 +356,6 @@ pub struct Filter {
     /// `<` rather than `<=`.
     pub strict: bool,
 }
+
+#[cfg(test)]
+mod tests;
