@@ -10,5 +10,9 @@ pub mod diagnostic;
 pub mod model;
 /// Stage 3: model -> equations.
 pub mod symbolic;
-/// Stage 4: equations -> functions as ordered, named scalar steps.
+/// Stage 4: equations -> functions as ordered, named scalar steps, and the interpreter of these.
 pub mod plan;
+/// Every function of a plan against plain products of the table's matrices.
+pub mod verify;
+/// Stage 5: printers.
+pub mod emit;

@@ -10,6 +10,7 @@ mod angle;
 pub mod chain;
 /// The plain product of the rows, for verification.
 pub mod product;
+mod reach;
 mod recentre;
 
 pub use angle::EXACT_ANGLE_TOLERANCE;

@@ -3,6 +3,10 @@
 //! A plan holds no tokens and no language, and nothing in it assumes f64. Printers (`emit`) and the interpreter
 //! (`plan::eval`) walk it and decide nothing.
 
+/// The interpreter.
+pub mod eval;
+#[cfg(test)]
+pub(crate) mod fixtures;
 mod forward;
 mod schedule;
 
