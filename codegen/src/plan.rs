@@ -85,17 +85,7 @@ pub struct Function {
 
 /// Names of the numbers that a target is made of, in the order in which they are inputs.
 pub fn target_inputs(target: crate::model::Target) -> &'static [&'static str] {
-    use crate::model::Target;
-    match target {
-        Target::Pose => &["r11", "r12", "r13", "px", "r21", "r22", "r23", "py", "r31", "r32", "r33", "pz"],
-        Target::Position | Target::Lookat => &["px", "py", "pz"],
-        Target::PositionDirection | Target::Ray => &["px", "py", "pz", "zx", "zy", "zz"],
-        Target::PositionYaw => &["px", "py", "pz", "cyaw", "syaw"],
-        Target::Rotation => &["r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"],
-        Target::Direction => &["zx", "zy", "zz"],
-        Target::Xy => &["px", "py"],
-        Target::XyYaw => &["px", "py", "cyaw", "syaw"],
-    }
+    target.input_names()
 }
 
 /// Operation counts of a function, of what is left after constants are folded.
