@@ -16,3 +16,7 @@ pub mod plan;
 pub mod verify;
 /// Stage 5: printers.
 pub mod emit;
+/// All stages, one after the other.
+mod compile;
+
+pub use compile::{Compilation, Output, compile};
