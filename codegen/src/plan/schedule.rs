@@ -22,24 +22,24 @@ impl Constants {
         self.list
     }
 
-    fn named(&mut self, name: &str, value: f64, note: &str) -> ConstantId {
+    fn named(&mut self, name: &str, value: f64, dimension: u8, note: &str) -> ConstantId {
         if let Some(&known) = self.ids.get(name) {
             return known;
         }
         let id = ConstantId(self.list.len());
-        self.list.push(Constant { name: name.to_string(), value, note: note.to_string() });
+        self.list.push(Constant { name: name.to_string(), value, dimension, note: note.to_string() });
         self.ids.insert(name.to_string(), id);
         id
     }
 
     /// A constant folded from others; the same text is the same constant.
-    fn folded(&mut self, text: &str, value: f64) -> ConstantId {
+    fn folded(&mut self, text: &str, value: f64, dimension: u8) -> ConstantId {
         if let Some(&known) = self.ids.get(text) {
             return known;
         }
         self.folded += 1;
         let id = ConstantId(self.list.len());
-        self.list.push(Constant { name: format!("k{}", self.folded), value, note: format!("= {text}") });
+        self.list.push(Constant { name: format!("k{}", self.folded), value, dimension, note: format!("= {text}") });
         self.ids.insert(text.to_string(), id);
         id
     }
@@ -258,14 +258,14 @@ impl<'a> Scheduler<'a> {
             Node::Number(number) => Scalar::Number(number.value()),
             Node::Neg(inner) => negated(self.constant(inner)),
             Node::Leaf(index) => match self.arena.leaf_at(index) {
-                Some((name, Leaf::Parameter { value, note })) => {
-                    Scalar::Constant(self.constants.named(name, *value, note))
+                Some((name, Leaf::Parameter { value, dimension, note })) => {
+                    Scalar::Constant(self.constants.named(name, *value, *dimension, note))
                 }
                 _ => Scalar::Number(f64::NAN),
             },
             _ => {
                 let text = crate::symbolic::text::expression(self.arena, x);
-                Scalar::Constant(self.constants.folded(&text, self.arena.constant_value(x)))
+                Scalar::Constant(self.constants.folded(&text, self.arena.constant_value(x), self.arena.constant_dimension(x)))
             }
         }
     }

@@ -169,7 +169,7 @@ impl Builder<'_> {
     }
 
     fn parameter(&mut self, name: &str, value: f64, note: &str, dimension: u8) -> Polynomial {
-        let expr = self.arena.parameter(name, value, note);
+        let expr = self.arena.parameter(name, value, dimension, note);
         self.atoms.polynomial(name, dimension, Source::Table(expr))
     }
 
