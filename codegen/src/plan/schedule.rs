@@ -22,25 +22,35 @@ impl Constants {
         self.list
     }
 
+    /// The table's number of this name. Another number under the same name (of another function) gets one of its own.
     fn named(&mut self, name: &str, value: f64, dimension: u8, note: &str) -> ConstantId {
-        if let Some(&known) = self.ids.get(name) {
-            return known;
+        let same = |constant: &Constant| constant.value.to_bits() == value.to_bits();
+        let mut unique = name.to_string();
+        let mut tries = 1;
+        while let Some(&known) = self.ids.get(&unique) {
+            if self.list.get(known.0).is_some_and(same) {
+                return known;
+            }
+            tries += 1;
+            unique = format!("{name}_{tries}");
         }
         let id = ConstantId(self.list.len());
-        self.list.push(Constant { name: name.to_string(), value, dimension, note: note.to_string() });
-        self.ids.insert(name.to_string(), id);
+        self.list.push(Constant { name: unique.clone(), value, dimension, note: note.to_string() });
+        self.ids.insert(unique, id);
         id
     }
 
     /// A constant folded from others; the same text is the same constant.
     fn folded(&mut self, text: &str, value: f64, dimension: u8) -> ConstantId {
-        if let Some(&known) = self.ids.get(text) {
+        let key = format!("{text} = {value:?}");
+        if let Some(&known) = self.ids.get(&key) {
             return known;
         }
         self.folded += 1;
         let id = ConstantId(self.list.len());
-        self.list.push(Constant { name: format!("k{}", self.folded), value, dimension, note: format!("= {text}") });
-        self.ids.insert(text.to_string(), id);
+        let name = format!("k{}", self.folded);
+        self.list.push(Constant { name, value, dimension, note: format!("= {text}") });
+        self.ids.insert(key, id);
         id
     }
 }
