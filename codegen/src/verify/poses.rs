@@ -57,8 +57,11 @@ pub(super) fn poses(model: &Model, constraints: &Constraints, level: Level, reac
         for joint in &constraints.independent {
             let mut q = sampler.random(index);
             // The first ones are at the multiple itself.
-            let off =
-                index.checked_sub(2).and_then(|index| NEAR.get(index as usize % NEAR.len())).copied().unwrap_or(0.0);
+            let off = index
+                .checked_sub(2)
+                .and_then(|index| NEAR.get(index as usize % NEAR.len()))
+                .copied()
+                .unwrap_or(0.0);
             let value = sampler.lattice(*joint) + off * sampler.stroke(*joint);
             if let Some(slot) = q.get_mut(*joint) {
                 *slot = value;

@@ -2,7 +2,8 @@ use super::{Level, Report, verify};
 use crate::diagnostic::Diagnostics;
 use crate::model::{Convention, JointKind, Model, Target};
 use crate::plan::fixtures::{
-    PLANAR_2R, PLANAR_2R_CONSTANTS, SCARA, SCARA_CONSTANTS, angle, linear, plan, planar_2r, problem, robot, row, scara,
+    PLANAR_2R, PLANAR_2R_CONSTANTS, SCARA, SCARA_CONSTANTS, angle, linear, plan, planar_2r, problem, robot,
+    row, scara,
 };
 use crate::plan::{FunctionKind, Plan};
 
