@@ -319,6 +319,22 @@ pub enum Target {
     XyYaw,
 }
 
+impl Target {
+    /// Names of the numbers that a target is made of, in the order in which functions take them.
+    pub fn input_names(self) -> &'static [&'static str] {
+        match self {
+            Self::Pose => &["r11", "r12", "r13", "px", "r21", "r22", "r23", "py", "r31", "r32", "r33", "pz"],
+            Self::Position | Self::Lookat => &["px", "py", "pz"],
+            Self::PositionDirection | Self::Ray => &["px", "py", "pz", "zx", "zy", "zz"],
+            Self::PositionYaw => &["px", "py", "pz", "cyaw", "syaw"],
+            Self::Rotation => &["r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"],
+            Self::Direction => &["zx", "zy", "zz"],
+            Self::Xy => &["px", "py"],
+            Self::XyYaw => &["px", "py", "cyaw", "syaw"],
+        }
+    }
+}
+
 /// A linear form in row variables: sum of coefficient * theta (or d) of a row, and a constant. `q*` and joint names
 /// are already expressed in theta and d.
 #[derive(Debug, Clone)]

@@ -21,7 +21,15 @@ impl<'a, S: Copy> Joint<'a, S> {
     }
 
     const fn unlimited(name: &'a str, kind: JointKind) -> Self {
-        Self { name, kind, limits: None, max_velocity: None, max_acceleration: None, max_jerk: None, servo: None }
+        Self {
+            name,
+            kind,
+            limits: None,
+            max_velocity: None,
+            max_acceleration: None,
+            max_jerk: None,
+            servo: None,
+        }
     }
 
     /// With limits of its value (rad or m).

@@ -106,7 +106,9 @@ pub fn print(model: &Model, plan: &Plan, options: &Options) -> String {
     text.line("");
     text.documentation(documentation::of_robot(model, &printer.reach()));
     text.line("#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]");
+    text.line("#[allow(unreachable_pub, reason = \"it may be public or not where it is used\")]");
     text.line(format!("pub struct {};", printer.struct_name));
+    text.line("");
     text.laid_out(&items);
     format!("{}\n", text.into_string().trim_end())
 }
@@ -158,9 +160,17 @@ impl<'a> Printer<'a> {
         text.gap();
         let generics = &self.options.generics;
         let clause = if generics.clause.is_empty() { String::new() } else { format!(" {}", generics.clause) };
-        text.line("#[allow(clippy::unused_self, clippy::trivially_copy_pass_by_ref, reason = \"methods, so that \\");
-        text.line("    callers need not know which arms have fields\")]");
-        text.open(format!("impl{} {}{}{clause} {{", generics.parameters, self.struct_name, generics.arguments));
+        text.open("#[allow(");
+        text.line("clippy::unused_self,");
+        text.line("clippy::trivially_copy_pass_by_ref,");
+        text.line("dead_code,");
+        text.line("unreachable_pub,");
+        text.line("reason = \"the same methods for every arm, whatever of them is used and where\"");
+        text.close(")]");
+        text.open(format!(
+            "impl{} {}{}{clause} {{",
+            generics.parameters, self.struct_name, generics.arguments
+        ));
         self.tables(&mut text);
         self.forward_methods(&mut text);
         self.inverse_methods(&mut text);
@@ -180,8 +190,12 @@ impl<'a> Printer<'a> {
 
     /// The numbers of the table that some function reads.
     fn numbers(&self, text: &mut Text) {
-        let live: Vec<_> =
-            self.plan.functions.iter().map(|function| Live::of(function, self.plan.constants.len())).collect();
+        let live: Vec<_> = self
+            .plan
+            .functions
+            .iter()
+            .map(|function| Live::of(function, self.plan.constants.len()))
+            .collect();
         for (i, (constant, name)) in self.plan.constants.iter().zip(&self.constants).enumerate() {
             if !live.iter().any(|live| live.constant(ConstantId(i))) {
                 continue;
@@ -193,7 +207,11 @@ impl<'a> Printer<'a> {
             text.line(format!("const {name}: {} = {value}; // {}", self.scalar(), clean(&constant.note)));
         }
         let reach = number(self.model.reach(), self.options.scalar, &self.paths);
-        text.line(format!("const {}: {} = {reach}; // bound on the distance of the tool point", self.private("REACH"), self.scalar()));
+        text.line(format!(
+            "const {}: {} = {reach}; // bound on the distance of the tool point",
+            self.private("REACH"),
+            self.scalar()
+        ));
         self.windings(text);
     }
 
@@ -253,14 +271,17 @@ impl<'a> Printer<'a> {
 
     /// Names that are taken inside every function.
     fn scope(&self) -> Names {
-        Names::new(self.constants.iter().chain(self.privates.iter().map(|(_, name)| name)).map(String::as_str))
+        Names::new(
+            self.constants.iter().chain(self.privates.iter().map(|(_, name)| name)).map(String::as_str),
+        )
     }
 }
 
 /// Identifiers that constants must leave alone: the struct's own, and what its parameters may be called.
 fn reserved<'a>(struct_name: &'a str, generics: &'a Generics) -> impl Iterator<Item = &'a str> {
     let words = |text: &'a str| text.split(|c: char| !(c.is_alphanumeric() || c == '_'));
-    let constants = ["PI", "TAU", "FRAC_PI_2", "FRAC_PI_3", "FRAC_PI_4", "FRAC_PI_6", "FRAC_PI_8", "FRAC_1_PI"];
+    let constants =
+        ["PI", "TAU", "FRAC_PI_2", "FRAC_PI_3", "FRAC_PI_4", "FRAC_PI_6", "FRAC_PI_8", "FRAC_1_PI"];
     let more = ["SQRT_2", "FRAC_1_SQRT_2", "FULL_POSE"];
     core::iter::once(struct_name)
         .chain(words(&generics.parameters))

@@ -209,7 +209,7 @@ fn forward_functions_of_the_compiler_pass() {
     let ur5 = rows.into_iter().enumerate().map(|(index, (d, a, alpha))| row(index, d, a, alpha)).collect();
     for model in [robot(ur5), planar_2r(), scara()] {
         let mut diagnostics = Diagnostics::default();
-        let (_, report) = verify(&model, crate::plan::build(&model), Level::Full, &mut diagnostics);
+        let (_, report) = verify(&model, crate::plan::build(&model).0, Level::Full, &mut diagnostics);
         for function in &report.functions {
             assert_eq!(function.failure, None, "{}", function.name);
             assert!(function.position_error < 1e-14 && function.rotation_error < 1e-14);

@@ -1,15 +1,15 @@
 //! Robots whose plans are written by hand, to exercise what reads plans without what makes them.
 
 use dh_codegen::model::{
-    Angle, AngleUnit, Bound, Convention, Filter, JointKind, LengthUnit, Limits, Linear, Model, NamedPose, NamedServo,
-    Placement, Problem, Rotation, Row, Servo, Target, Units, Winding, Workspace,
+    Angle, AngleUnit, Bound, Convention, Filter, JointKind, LengthUnit, Limits, Linear, Model, NamedPose,
+    NamedServo, Placement, Problem, Rotation, Row, Servo, Target, Units, Winding, Workspace,
 };
 use dh_codegen::plan::{
     self, ConstantId, Counts, Equation, Function, FunctionKind, Measure, Plan, Scalar, Stage, Step, ValueId,
 };
 
 /// A planar arm of two turning joints (0.5 m and 0.4 m) with the problem `xy`, elbow either way, and `elbow_up`.
-pub fn planar() -> (Model, Plan) {
+pub(crate) fn planar() -> (Model, Plan) {
     let rows = vec![turning(0, 0.5), turning(1, 0.4)];
     let mut model = robot("Planar 2R", rows);
     model.manufacturer = Some("None [of them]".to_owned());
@@ -21,12 +21,12 @@ pub fn planar() -> (Model, Plan) {
     model.problems = vec![problem("xy", Vec::new()), problem("elbow_up", vec![elbow_up])];
     let mut plan = plan::build(&model);
     let (a1, a2) = (constant(&plan, "a1"), constant(&plan, "a2"));
-    plan.functions.extend([planar_inverse(0, a1, a2), planar_inverse(1, a1, a2)]);
+    plan.functions.extend([planar_inverse(0, &a1, &a2), planar_inverse(1, &a1, &a2)]);
     (model, plan)
 }
 
 /// A turning joint and a sliding one along its own x axis, with the problem `xy` by a step that is linear.
-pub fn polar() -> (Model, Plan) {
+pub(crate) fn polar() -> (Model, Plan) {
     let mut rows = vec![turning(0, 0.0), turning(1, 0.25)];
     rows[0].alpha = Angle::from_degrees(90.0);
     rows[0].theta = Angle::from_degrees(90.0);
@@ -41,12 +41,12 @@ pub fn polar() -> (Model, Plan) {
 }
 
 /// theta2 from the distance, then theta1 from both rows of the position.
-fn planar_inverse(problem: usize, a1: Scalar, a2: Scalar) -> Function {
+fn planar_inverse(problem: usize, a1: &Scalar, a2: &Scalar) -> Function {
     let values = ["px", "py", "theta2", "s2", "c2", "k1", "k2", "theta1", "unused"];
     let [px, py, theta2, _, c2, k1, k2, theta1, unused] = [0, 1, 2, 3, 4, 5, 6, 7, 8].map(ValueId);
     let v = Scalar::Value;
     let square = |x: &Scalar| mul(x.clone(), x.clone());
-    let distance = sub(sub(add(square(&v(px)), square(&v(py))), square(&a1)), square(&a2));
+    let distance = sub(sub(add(square(&v(px)), square(&v(py))), square(a1)), square(a2));
     let body = vec![
         Step::SinCos { sin: ValueId(3), cos: c2, angle: v(theta2) },
         Step::Let { name: k1, value: add(a1.clone(), mul(a2.clone(), v(c2))) },
@@ -62,7 +62,11 @@ fn planar_inverse(problem: usize, a1: Scalar, a2: Scalar) -> Function {
             body: vec![Step::Accept { q: vec![v(theta1), v(theta2)] }],
         },
     ];
-    let trig = Equation::Trig { a: mul(mul(Scalar::Number(2.0), a1), a2), b: Scalar::Number(0.0), c: distance };
+    let trig = Equation::Trig {
+        a: mul(mul(Scalar::Number(2.0), a1.clone()), a2.clone()),
+        b: Scalar::Number(0.0),
+        c: distance,
+    };
     Function {
         kind: FunctionKind::Inverse(Some(problem)),
         values: values.map(str::to_owned).to_vec(),
@@ -71,8 +75,20 @@ fn planar_inverse(problem: usize, a1: Scalar, a2: Scalar) -> Function {
         outputs: Vec::new(),
         counts: Counts { mul: 8, add: 4, sincos: 1, angle_add: 0 },
         stages: vec![
-            stage(0b10, "theta2", Measure::Area, "2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2", "the distance of the tool point"),
-            stage(0b01, "theta1", Measure::Length, "k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py", "rows 1 and 2 of the position"),
+            stage(
+                0b10,
+                "theta2",
+                Measure::Area,
+                "2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2",
+                "the distance of the tool point",
+            ),
+            stage(
+                0b01,
+                "theta1",
+                Measure::Length,
+                "k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py",
+                "rows 1 and 2 of the position",
+            ),
         ],
     }
 }
@@ -116,7 +132,8 @@ fn polar_inverse(a2: Scalar) -> Function {
 fn robot(name: &str, rows: Vec<Row>) -> Model {
     let nowhere = Placement { xyz: [0.0; 3], rotation: Rotation::Rpy([Angle::ZERO; 3]) };
     let turns = rows.iter().enumerate().filter(|(_, row)| row.kind == JointKind::Revolute);
-    let winding = |(joint, _): (usize, &Row)| Winding { joint, turn: core::f64::consts::TAU, carries: Vec::new() };
+    let winding =
+        |(joint, _): (usize, &Row)| Winding { joint, turn: core::f64::consts::TAU, carries: Vec::new() };
     Model {
         name: name.to_owned(),
         manufacturer: None,
@@ -187,7 +204,13 @@ fn linear(row: usize, text: &str) -> Linear {
 }
 
 fn stage(rows: u32, unknown: &str, measure: Measure, equation: &str, origin: &str) -> Stage {
-    Stage { rows, unknown: unknown.to_owned(), measure, equation: equation.to_owned(), origin: origin.to_owned() }
+    Stage {
+        rows,
+        unknown: unknown.to_owned(),
+        measure,
+        equation: equation.to_owned(),
+        origin: origin.to_owned(),
+    }
 }
 
 fn constant(plan: &Plan, name: &str) -> Scalar {

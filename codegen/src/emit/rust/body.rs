@@ -14,8 +14,6 @@ pub(super) struct Body<'a> {
     pub(super) live: Live,
     /// Name of the constant that describes each stage.
     pub(super) stages: &'a [String],
-    /// `Float::sin_cos`, however it is reached.
-    pub(super) sin_cos: String,
 }
 
 /// Identifiers of a function: its values and its stages.
@@ -50,14 +48,18 @@ impl Body<'_> {
                 }
                 Step::SinCos { sin, cos, angle } if self.live.value(*sin) || self.live.value(*cos) => {
                     let head = format!("let ({}, {}) =", self.name(*sin), self.name(*cos));
-                    let call = Expression::Call(self.sin_cos.clone(), vec![self.leaves.expression(angle)]);
+                    let sin_cos = format!("{}::sin_cos", self.leaves.paths.runtime("Float"));
+                    let call = Expression::Call(sin_cos, vec![self.leaves.expression(angle)]);
                     text.laid_out(&statement(text.indent(), &head, &call, ";"));
                 }
                 Step::Let { .. } | Step::SinCos { .. } => {}
                 Step::Solve { stage, root, equation, body } => {
                     text.gap();
                     if let Some(stage) = self.function.stages.get(*stage) {
-                        text.paragraph("//", &format!("{}: {} ({})", stage.unknown, stage.equation, stage.origin));
+                        text.paragraph(
+                            "//",
+                            &format!("{}: {} ({})", stage.unknown, stage.equation, stage.origin),
+                        );
                     }
                     let head = format!("for {} in", self.name(*root));
                     let call = self.kernel(*stage, equation);

@@ -1,13 +1,16 @@
 //! What the generated documentation says: the table as it was written, and what each function computes.
 
 use super::text::escaped;
-use crate::model::{AngleUnit, Convention, JointKind, LengthUnit, Limits, Model, Placement, Rotation, Row, Units};
+use crate::model::{
+    AngleUnit, Convention, JointKind, LengthUnit, Limits, Model, Placement, Rotation, Row, Units,
+};
 use crate::plan::{Counts, Function};
 
 /// Documentation of the struct, a paragraph each.
 pub(super) fn of_robot(model: &Model, reach: &str) -> Vec<String> {
     let maker = model.manufacturer.as_ref().map_or(String::new(), |maker| format!("{} ", escaped(maker)));
-    let mut paragraphs = vec![format!("Kinematics of the {maker}{}: {}.", escaped(&model.name), joints(model))];
+    let mut paragraphs =
+        vec![format!("Kinematics of the {maker}{}: {}.", escaped(&model.name), joints(model))];
     paragraphs.extend(model.source.as_ref().map(|source| format!("Numbers from: {}", escaped(source))));
     let hayati = model.rows.iter().any(|row| !row.beta.is_zero());
     paragraphs.push(format!(
@@ -65,9 +68,12 @@ pub(super) fn joint_units(model: &Model) -> &'static str {
 }
 
 fn joints(model: &Model) -> String {
-    let kind = |kind| model.joints.iter().filter_map(|row| model.rows.get(*row)).filter(|row| row.kind == kind).count();
+    let kind = |kind| {
+        model.joints.iter().filter_map(|row| model.rows.get(*row)).filter(|row| row.kind == kind).count()
+    };
     let (turning, sliding) = (kind(JointKind::Revolute), kind(JointKind::Prismatic));
-    let count = |count: usize, kind: &str| format!("{count} {kind} joint{}", if count == 1 { "" } else { "s" });
+    let count =
+        |count: usize, kind: &str| format!("{count} {kind} joint{}", if count == 1 { "" } else { "s" });
     match (turning, sliding) {
         (_, 0) => count(turning, "revolute"),
         (0, _) => count(sliding, "prismatic"),
@@ -78,8 +84,12 @@ fn joints(model: &Model) -> String {
 fn convention(convention: Convention, hayati: bool) -> String {
     let beta = if hayati { " Ry(beta)" } else { "" };
     match convention {
-        Convention::Standard => format!("standard (distal) convention A = Rz(theta) Tz(d) Tx(a) Rx(alpha){beta}"),
-        Convention::Modified => format!("modified (proximal) convention A = Tx(a) Rx(alpha){beta} Rz(theta) Tz(d)"),
+        Convention::Standard => {
+            format!("standard (distal) convention A = Rz(theta) Tz(d) Tx(a) Rx(alpha){beta}")
+        }
+        Convention::Modified => {
+            format!("modified (proximal) convention A = Tx(a) Rx(alpha){beta} Rz(theta) Tz(d)")
+        }
     }
 }
 
@@ -100,38 +110,39 @@ fn table(model: &Model, hayati: bool) -> String {
         let (a, alpha) = (length(row.a, model.units), angle(row.alpha.value, model.units));
         let limits = row.limits.map_or("-".to_owned(), |limits| range(limits, row.kind, model.units));
         let held = if row.variable.is_none() { " (held)" } else { "" };
-        lines.push(format!("| {}{held} | {theta} | {d} | {a} | {alpha} |{beta} {limits} |", escaped(&row.name)));
+        lines.push(format!(
+            "| {}{held} | {theta} | {d} | {a} | {alpha} |{beta} {limits} |",
+            escaped(&row.name)
+        ));
     }
     lines.join("\n")
 }
 
 /// theta of a revolute row or d of a prismatic one, as a form in the joint variables: `q3 - q2 + 90`.
 fn form(zero: f64, row: &Row, model: &Model) -> String {
-    let mut text = String::new();
-    let mut add = |coefficient: f64, what: &str| {
-        let size = trimmed(coefficient.abs());
-        let sign = match (coefficient < 0.0, text.is_empty()) {
-            (true, true) => "-",
-            (false, true) => "",
-            (true, false) => " - ",
-            (false, false) => " + ",
-        };
-        let factor = if what.is_empty() || size != "1" { size.as_str() } else { "" };
-        let space = if factor.is_empty() || what.is_empty() { "" } else { " " };
-        text.push_str(&format!("{sign}{factor}{space}{what}"));
-    };
+    let mut terms = Vec::new();
     for &(joint, coefficient) in &row.terms {
         let Some(&source) = model.joints.get(joint) else { continue };
         let Some(other) = model.rows.get(source) else { continue };
         // SI to the table's units, where the two rows are of unlike kinds.
         let coefficient = coefficient * per(row.kind, model.units) / per(other.kind, model.units);
-        add(coefficient, &format!("q{}", source + 1));
+        let factor = match trimmed(coefficient.abs()).as_str() {
+            "1" => String::new(),
+            factor => format!("{factor} "),
+        };
+        terms.push((coefficient < 0.0, format!("{factor}q{}", source + 1)));
     }
     let zero = zero * per(row.kind, model.units);
-    if zero != 0.0 || row.terms.is_empty() {
-        add(zero, "");
+    if zero != 0.0 || terms.is_empty() {
+        terms.push((zero < 0.0, trimmed(zero.abs())));
     }
-    text
+    let signed = |(i, (negative, term)): (usize, &(bool, String))| match (negative, i) {
+        (true, 0) => format!("-{term}"),
+        (false, 0) => term.clone(),
+        (true, _) => format!(" - {term}"),
+        (false, _) => format!(" + {term}"),
+    };
+    terms.iter().enumerate().map(signed).collect()
 }
 
 /// A fixed frame in words, where it is one.

@@ -45,35 +45,57 @@ impl<'a> Printer<'a> {
     }
 
     fn forward_function(&self, text: &mut Text, function: &'a Function) {
-        let locals = Locals::of(function, &self.scope());
-        let body = self.body(function, &locals);
-        let mut lines = Text::indented(1);
-        body.steps(&mut lines, &function.steps, &|_, _| {});
-        lines.laid_out(&statement(4, "", &self.result(function, &body), ""));
-        let lines = lines.into_string();
-
+        if self.private_name(&function.kind) != private_name(&function.kind) {
+            return;
+        }
+        let (lines, reads) = self.forward_lines(function);
+        let frame = || self.runtime_type("Frame");
         let (what, ty) = match function.kind {
-            FunctionKind::Fk => ("The tool frame in the base frame.", self.runtime_type("Frame")),
-            FunctionKind::FkFlange => ("The flange in the base frame.", self.runtime_type("Frame")),
+            FunctionKind::Fk => ("The tool frame in the base frame.", frame()),
+            FunctionKind::FkFlange => ("The flange in the base frame.", frame()),
             FunctionKind::Jacobian => ("Columns of the geometric Jacobian.", self.columns_type()),
-            FunctionKind::FkJacobian => {
-                ("The tool frame, and the columns of the Jacobian.", format!("({}, {})", self.runtime_type("Frame"), self.columns_type()))
-            }
-            _ => ("The frame of every row, base first.", self.frames_type(&self.runtime_type("Frame"))),
+            FunctionKind::FkJacobian => (
+                "The tool frame, and the columns of the Jacobian.",
+                format!("({}, {})", frame(), self.columns_type()),
+            ),
+            _ => ("The frame of every row, base first.", self.frames_type(&frame())),
         };
         text.line(format!("/// {what}"));
-        self.allowances(text, &lines);
-        let reads = (0..function.inputs).any(|i| body.live.value(ValueId(i)));
+        Self::allowances(text, &lines);
+        text.line("#[inline]");
         let q = if reads { "q" } else { "_q" };
         text.open(format!("fn {}({q}: &{}) -> {ty} {{", private_name(&function.kind), self.joints_type()));
         text.append(&lines);
         text.close("}");
     }
 
+    /// The lines of a function, and whether they read `q`.
+    fn forward_lines(&self, function: &Function) -> (String, bool) {
+        let locals = Locals::of(function, &self.scope());
+        let body = self.body(function, &locals);
+        let mut lines = Text::indented(1);
+        body.steps(&mut lines, &function.steps, &|_, _| {});
+        lines.laid_out(&statement(4, "", &self.result(function, &body), ""));
+        (lines.into_string(), (0..function.inputs).any(|i| body.live.value(ValueId(i))))
+    }
+
+    /// The name of the function that computes a kind: an arm without a tool has its flange at the tool frame.
+    pub(super) fn private_name(&self, kind: &FunctionKind) -> &'static str {
+        if let FunctionKind::FkFlange = kind
+            && let (Some(tool), Some(flange)) = (self.find(&FunctionKind::Fk), self.find(kind))
+            && self.forward_lines(tool) == self.forward_lines(flange)
+        {
+            return private_name(&FunctionKind::Fk);
+        }
+        private_name(kind)
+    }
+
     /// Lints that a function's text cannot help.
-    pub(super) fn allowances(&self, text: &mut Text, body: &str) {
+    pub(super) fn allowances(text: &mut Text, body: &str) {
         let long = if body.lines().count() > MANY_LINES { ", clippy::too_many_lines" } else { "" };
-        text.line(format!("#[allow(clippy::similar_names{long}, reason = \"the names are those of the equations\")]"));
+        text.line(format!(
+            "#[allow(clippy::similar_names{long}, reason = \"the names are those of the equations\")]"
+        ));
     }
 
     /// A function with the names of its values.
@@ -88,7 +110,6 @@ impl<'a> Printer<'a> {
             },
             live: Live::of(function, self.plan.constants.len()),
             stages: &locals.stages,
-            sin_cos: format!("{}::sin_cos", self.paths.runtime("Float")),
         }
     }
 
@@ -101,13 +122,19 @@ impl<'a> Printer<'a> {
                 let (frame, jacobian) = outputs.split_at(outputs.len().min(12));
                 Expression::Tuple(vec![self.frame(frame), columns(jacobian)])
             }
-            FunctionKind::Frames => Expression::Array(outputs.chunks(12).map(|frame| self.frame(frame)).collect()),
+            FunctionKind::Frames => {
+                Expression::Array(outputs.chunks(12).map(|frame| self.frame(frame)).collect())
+            }
             _ => self.frame(&outputs),
         }
     }
 
     /// A frame from the rows of `[R | p]`.
     fn frame(&self, rows: &[Expression]) -> Expression {
+        let identity = ["1.0", "0.0", "0.0", "0.0", "0.0", "1.0", "0.0", "0.0", "0.0", "0.0", "1.0", "0.0"];
+        if rows.iter().map(Expression::flat).eq(identity) {
+            return Expression::Atom(format!("{}::IDENTITY", self.paths.runtime("Frame")));
+        }
         let column = |range: std::ops::Range<usize>| {
             rows.chunks(4).map(|row| row.get(range.clone()).unwrap_or_default().to_vec()).collect::<Vec<_>>()
         };
@@ -137,8 +164,12 @@ impl<'a> Printer<'a> {
         let units = joint_units(self.model);
         let rule = "Every limit and workspace rule that joint values (".to_owned();
         text.documentation([format!("{rule}{units}) break, not only the first."), String::new()]);
-        text.documentation(["# Errors", "[`Violations`](::dh_runtime::Violations), which lists them with their numbers."]);
-        let violations = format!("{}<'static{}>", self.paths.runtime("Violations"), self.scalar_argument(", "));
+        text.documentation([
+            "# Errors",
+            "[`Violations`](::dh_runtime::Violations), which lists them with their numbers.",
+        ]);
+        let violations =
+            format!("{}<'static{}>", self.paths.runtime("Violations"), self.scalar_argument(", "));
         let result = self.paths.prelude("Result");
         text.open(format!("pub fn check(&self, q: &{q}) -> {result}<(), {violations}> {{"));
         text.line("Self::RULES.check(q, tool_point(q))");
@@ -146,62 +177,79 @@ impl<'a> Printer<'a> {
     }
 
     fn forward_method(&self, text: &mut Text, function: &Function) {
-        let nalgebra = self.options.types == Types::Nalgebra;
-        let pose = self.pose_type();
-        let units = joint_units(self.model);
-        let jacobian = if nalgebra { self.sized_type("Jacobian") } else { self.columns_type() };
-        let from_columns = self.paths.runtime("jacobian_from_columns");
-        let call = format!("{}(q)", private_name(&function.kind));
-        let shape = if nalgebra {
-            format!("6 x {}: rows vx vy vz (m) wx wy wz (rad) a unit of each joint", self.dof())
-        } else {
-            format!("{} columns of vx vy vz (m) wx wy wz (rad) a unit of each joint", self.dof())
-        };
-        let jacobian_text = format!("{shape}, in base axes, at the tool point");
-        let (name, documentation, ty, body) = match function.kind {
-            FunctionKind::Fk => (
-                "fk",
-                "Forward kinematics: the pose of the tool frame in the base frame (m)".to_owned(),
-                pose,
-                if nalgebra { vec![format!("{call}.into()")] } else { vec![call] },
-            ),
-            FunctionKind::FkFlange => (
-                "fk_flange",
-                "The pose of the flange, without the table's tool, in the base frame (m)".to_owned(),
-                pose,
-                if nalgebra { vec![format!("{call}.into()")] } else { vec![call] },
-            ),
-            FunctionKind::Jacobian => (
-                "jacobian",
-                format!("The geometric Jacobian ({jacobian_text})"),
-                jacobian,
-                if nalgebra { vec![format!("{from_columns}({call})")] } else { vec![call] },
-            ),
+        let (name, what) = match function.kind {
+            FunctionKind::Fk => {
+                ("fk", "Forward kinematics: the pose of the tool frame in the base frame (m)")
+            }
+            FunctionKind::FkFlange => {
+                ("fk_flange", "The pose of the flange, without the table's tool, in the base frame (m)")
+            }
+            FunctionKind::Jacobian => ("jacobian", "The geometric Jacobian"),
             FunctionKind::FkJacobian => (
                 "fk_jacobian",
-                format!("The pose of the tool frame (m) and the geometric Jacobian ({jacobian_text})"),
-                format!("({pose}, {jacobian})"),
-                if nalgebra {
-                    vec![format!("let (tool, columns) = {call};"), format!("(tool.into(), {from_columns}(columns))")]
-                } else {
-                    vec![call]
-                },
+                "The pose of the tool frame in the base frame (m), and the geometric Jacobian,",
             ),
             FunctionKind::Frames => (
                 "frames",
-                "The pose of every frame of the table in the base frame (m), that one first".to_owned(),
-                self.frames_type(&pose),
-                if nalgebra { vec![format!("{call}.map(Into::into)")] } else { vec![call] },
+                "The poses of the frames of the table's rows in the base frame (m), after that of the base frame itself,",
             ),
             FunctionKind::Inverse(_) => return,
         };
+        let mut paragraphs = vec![format!("{what} at joint values `q` ({}).", joint_units(self.model))];
+        if matches!(function.kind, FunctionKind::Jacobian | FunctionKind::FkJacobian) {
+            paragraphs.push(self.jacobian_shape());
+        }
+        paragraphs.push(operations(function.counts));
         text.gap();
-        text.documentation([format!("{documentation} at joint values `q` ({units})."), operations(function.counts)]);
+        text.documentation(paragraphs);
         text.line("#[inline]");
         text.line("#[must_use]");
+        let call = format!("{}(q)", self.private_name(&function.kind));
+        let (ty, body) = match self.options.types {
+            Types::Nalgebra => self.converted(function, &call),
+            Types::Plain => (self.plain_type(function), call),
+        };
         text.open(format!("pub fn {name}(&self, q: &{}) -> {ty} {{", self.joints_type()));
-        body.iter().for_each(|line| text.line(line));
+        body.lines().for_each(|line| text.line(line));
         text.close("}");
+    }
+
+    /// Type and body of a method, from the call of the private function, in nalgebra's types.
+    fn converted(&self, function: &Function, call: &str) -> (String, String) {
+        let pose = self.pose_type();
+        let jacobian = || (self.sized_type("Jacobian"), self.paths.runtime("jacobian_from_columns"));
+        match function.kind {
+            FunctionKind::Jacobian => {
+                let (ty, from_columns) = jacobian();
+                (ty, format!("{from_columns}({call})"))
+            }
+            FunctionKind::FkJacobian => {
+                let (ty, from_columns) = jacobian();
+                let body = format!("let (tool, columns) = {call};\n(tool.into(), {from_columns}(columns))");
+                (format!("({pose}, {ty})"), body)
+            }
+            FunctionKind::Frames => (self.frames_type(&pose), format!("{call}.map(Into::into)")),
+            _ => (pose, format!("{call}.into()")),
+        }
+    }
+
+    /// The type of a method in plain types, which is that of the private function.
+    fn plain_type(&self, function: &Function) -> String {
+        let frame = self.pose_type();
+        match function.kind {
+            FunctionKind::Jacobian => self.columns_type(),
+            FunctionKind::FkJacobian => format!("({frame}, {})", self.columns_type()),
+            FunctionKind::Frames => self.frames_type(&frame),
+            _ => frame,
+        }
+    }
+
+    fn jacobian_shape(&self) -> String {
+        let rows = "vx vy vz (m) wx wy wz (rad) per unit of the joint, in base axes, at the tool point";
+        match self.options.types {
+            Types::Nalgebra => format!("Jacobian: 6 x {}, rows {rows}.", self.dof()),
+            Types::Plain => format!("Jacobian: {} columns of {rows}.", self.dof()),
+        }
     }
 }
 

@@ -47,7 +47,10 @@ impl<'a> Printer<'a> {
 
         text.gap();
         let mut paragraphs = vec![
-            format!("Every geometric solution {}, limits ignored; joints that turn are in (-pi, pi].", purpose(problem)),
+            format!(
+                "Every geometric solution {}, limits ignored; joints that turn are in (-pi, pi].",
+                purpose(problem)
+            ),
             format!("{}.", arguments.meaning),
         ];
         paragraphs.extend(problem.and_then(conditions));
@@ -55,7 +58,7 @@ impl<'a> Printer<'a> {
             paragraphs.push("Solved step by step:".to_owned());
             paragraphs.push(stages);
         }
-        paragraphs.push(operations(function.counts).replacen('.', ", on every branch once.", 1));
+        paragraphs.push(format!("Besides solving, on each branch: {}", operations(function.counts)));
         paragraphs.extend(["# Errors".to_owned(), errors.to_owned()]);
         text.documentation(paragraphs);
         text.signature(&format!("pub fn ik_all{suffix}"), &parameters, &result);
@@ -115,7 +118,7 @@ impl<'a> Printer<'a> {
             lines.line(format!("let {numbers} = target.numbers().array();"));
         }
         lines.line(format!(
-            "let mut search = {}::new({}, {});",
+            "let mut search = {}::new({}, &{});",
             self.paths.runtime("Search"),
             self.private("REACH"),
             self.private("WINDINGS")
@@ -124,9 +127,10 @@ impl<'a> Printer<'a> {
         lines.line("search.finish()");
         let lines = lines.into_string();
 
-        let name = problem.map_or("the full pose".to_owned(), |problem| format!("`{}`", clean(&problem.name)));
+        let name =
+            problem.map_or("the full pose".to_owned(), |problem| format!("`{}`", clean(&problem.name)));
         text.line(format!("/// Every solution of {name}."));
-        self.allowances(text, &lines);
+        Self::allowances(text, &lines);
         let result = format!(
             "{}<{}, {}>",
             self.paths.prelude("Result"),
@@ -150,7 +154,8 @@ impl<'a> Printer<'a> {
             Measure::Length => "Length",
             Measure::Area => "Area",
         };
-        let slides = |row: usize| self.model.rows.get(row).is_some_and(|row| row.kind == JointKind::Prismatic);
+        let slides =
+            |row: usize| self.model.rows.get(row).is_some_and(|row| row.kind == JointKind::Prismatic);
         let prismatic = (0..32).any(|row| stage.rows & (1 << row) != 0 && slides(row));
         let measure = format!("{}::{measure}", self.paths.runtime("Measure"));
         format!("const {name}: {step} = {step}::new({index}, {:#b}, {prismatic}, {measure});", stage.rows)
@@ -161,8 +166,7 @@ impl<'a> Printer<'a> {
         let q = Expression::Array(q.iter().map(|value| body.leaves.expression(value)).collect());
         text.gap();
         text.laid_out(&statement(text.indent(), "let q =", &q, ";"));
-        text.line("let tool = forward_kinematics(&q);");
-        text.line("let (position_error, rotation_error) = target.errors(&tool);");
+        text.line("let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));");
         let filters = problem.map_or(&[][..], |problem| &problem.filters);
         if filters.is_empty() {
             text.line("search.accept(q, position_error, rotation_error);");
@@ -211,13 +215,13 @@ impl<'a> Printer<'a> {
 struct Sum<'a, 'p> {
     printer: &'a Printer<'p>,
     constant: f64,
-    sum: Option<Expression>,
+    terms: Option<Expression>,
 }
 
 impl<'a, 'p> Sum<'a, 'p> {
     fn from(printer: &'a Printer<'p>, constant: f64) -> Self {
-        let sum = (constant != 0.0).then(|| printer.literal(constant));
-        Self { printer, constant, sum }
+        let terms = (constant != 0.0).then(|| printer.literal(constant));
+        Self { printer, constant, terms }
     }
 
     fn add(&mut self, factor: f64, term: Expression) {
@@ -228,7 +232,7 @@ impl<'a, 'p> Sum<'a, 'p> {
         } else {
             Expression::Binary(Mul, Box::new(self.printer.literal(size)), Box::new(term))
         };
-        self.sum = Some(match (self.sum.take(), factor < 0.0) {
+        self.terms = Some(match (self.terms.take(), factor < 0.0) {
             (None, false) => term,
             (None, true) => Expression::Neg(Box::new(term)),
             (Some(sum), false) => Expression::Binary(Add, Box::new(sum), Box::new(term)),
@@ -237,7 +241,7 @@ impl<'a, 'p> Sum<'a, 'p> {
     }
 
     fn expression(self) -> Expression {
-        self.sum.unwrap_or_else(|| self.printer.literal(self.constant))
+        self.terms.unwrap_or_else(|| self.printer.literal(self.constant))
     }
 }
 
@@ -270,7 +274,8 @@ fn conditions(problem: &Problem) -> Option<String> {
     let quoted = |text: &str| format!("`{}`", clean(text).replace('`', "'"));
     let mut parts = Vec::new();
     if !problem.constraints.is_empty() {
-        let constraints: Vec<_> = problem.constraints.iter().map(|constraint| quoted(&constraint.text)).collect();
+        let constraints: Vec<_> =
+            problem.constraints.iter().map(|constraint| quoted(&constraint.text)).collect();
         parts.push(format!("With {}", constraints.join(", ")));
     }
     if !problem.filters.is_empty() {

@@ -1,8 +1,8 @@
 //! The object-safe view: `impl Kinematics`.
 
-use super::{Printer, Types};
 use super::inverse::private_name;
 use super::text::Text;
+use super::{Printer, Types};
 use crate::plan::FunctionKind;
 
 impl Printer<'_> {
@@ -36,7 +36,8 @@ impl Printer<'_> {
             "const { &Self::PROBLEMS }",
         );
         let q = format!("q: &[{scalar}]");
-        for (name, function) in [("fk", "forward_kinematics"), ("fk_flange", "flange_pose")] {
+        for (name, kind) in [("fk", FunctionKind::Fk), ("fk_flange", FunctionKind::FkFlange)] {
+            let function = self.private_name(&kind);
             constant(
                 format!("{name}(&self, {q}) -> {result}<{frame}, {length_error}>"),
                 &format!("{ok}({function}({joint_array}(q)?))"),
@@ -58,17 +59,25 @@ impl Printer<'_> {
     pub(super) fn mounting(&self, text: &mut Text) {
         let mounted = format!("{}<Self{}>", self.paths.runtime("Mounted"), self.scalar_argument(", "));
         let pose = self.pose_type();
-        let frame = if self.options.types == Types::Nalgebra { "into()" } else { "clone()" };
+        let nalgebra = self.options.types == Types::Nalgebra;
         let frames = [
-            ("tool", "This arm with another frame at its tool: the pose (m) of the tool point in the table's tool frame."),
+            (
+                "tool",
+                "This arm with another frame at its tool: the pose (m) of the tool point in the table's tool frame.",
+            ),
             ("base", "This arm on another frame: the pose (m) of the table's base frame in the world."),
         ];
         for (name, documentation) in frames {
             text.gap();
             text.documentation([documentation]);
             text.line("#[must_use]");
-            text.signature(&format!("pub fn with_{name}"), &["self".to_owned(), format!("{name}: &{pose}")], &mounted);
-            text.line(format!("{}::new(self).with_{name}({name}.{frame})", self.paths.runtime("Mounted")));
+            text.signature(
+                &format!("pub fn with_{name}"),
+                &["self".to_owned(), format!("{name}: &{pose}")],
+                &mounted,
+            );
+            let frame = if nalgebra { format!("{name}.into()") } else { format!("*{name}") };
+            text.line(format!("{}::new(self).with_{name}({frame})", self.paths.runtime("Mounted")));
             text.close("}");
         }
     }
@@ -76,7 +85,8 @@ impl Printer<'_> {
     fn ik_into(&self, text: &mut Text) {
         let set = self.runtime_type("SolutionSet");
         let (target, error) = (self.runtime_type("Target"), self.runtime_type("IkError"));
-        let (result, ok, err) = (self.paths.prelude("Result"), self.paths.prelude("Ok"), self.paths.prelude("Err"));
+        let (result, ok, err) =
+            (self.paths.prelude("Result"), self.paths.prelude("Ok"), self.paths.prelude("Err"));
         let unknown = format!("{}::UnknownProblem", self.paths.runtime("IkError"));
         let solved = self.inverse_functions().next().is_some();
         let (problem, target_name) = if solved { ("problem", "target") } else { ("_problem", "_target") };
@@ -95,7 +105,8 @@ impl Printer<'_> {
         if solved {
             text.open("let solutions = match problem {");
             for (_, problem) in self.inverse_functions() {
-                let name = problem.map_or_else(|| self.paths.runtime("FULL_POSE"), |problem| format!("{:?}", problem.name));
+                let name = problem
+                    .map_or_else(|| self.paths.runtime("FULL_POSE"), |problem| format!("{:?}", problem.name));
                 text.line(format!("{name} => {}(target)?,", private_name(problem)));
             }
             text.line(format!("_ => return {err}({unknown}),"));

@@ -53,15 +53,13 @@ impl Operator {
 }
 
 impl Expression {
-    pub(super) fn atom(text: impl Into<String>) -> Self {
-        Self::Atom(text.into())
-    }
-
     /// On one line.
     pub(super) fn flat(&self) -> String {
         match self {
             Self::Atom(text) => text.clone(),
-            Self::Neg(x) => format!("-{}", parenthesised(x, matches!(**x, Self::Binary(..) | Self::Neg(_)), Self::flat)),
+            Self::Neg(x) => {
+                format!("-{}", parenthesised(x, matches!(**x, Self::Binary(..) | Self::Neg(_)), Self::flat))
+            }
             Self::Binary(operator, left, right) => {
                 let (left, right) = operands(*operator, left, right, Self::flat);
                 format!("{left} {} {right}", operator.symbol())
@@ -70,7 +68,8 @@ impl Expression {
             Self::Tuple(items) => format!("({})", list(items)),
             Self::Call(function, arguments) => format!("{function}({})", list(arguments)),
             Self::Struct(name, fields) => {
-                let fields: Vec<_> = fields.iter().map(|(field, value)| format!("{field}: {}", value.flat())).collect();
+                let fields: Vec<_> =
+                    fields.iter().map(|(field, value)| format!("{field}: {}", value.flat())).collect();
                 format!("{name} {{ {} }}", fields.join(", "))
             }
         }
@@ -182,7 +181,11 @@ fn operands(
     )
 }
 
-fn parenthesised(expression: &Expression, parentheses: bool, print: impl Fn(&Expression) -> String) -> String {
+fn parenthesised(
+    expression: &Expression,
+    parentheses: bool,
+    print: impl Fn(&Expression) -> String,
+) -> String {
     let text = print(expression);
     if parentheses { format!("({text})") } else { text }
 }
@@ -233,4 +236,59 @@ fn struct_lines(name: &str, fields: &[(&'static str, Expression)], indent: usize
     text.push_str(&" ".repeat(indent));
     text.push('}');
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Expression, Operator, statement};
+
+    fn binary(operator: Operator, x: Expression, y: Expression) -> Expression {
+        Expression::Binary(operator, Box::new(x), Box::new(y))
+    }
+
+    fn atom(text: &str) -> Expression {
+        Expression::Atom(text.to_owned())
+    }
+
+    #[test]
+    fn parentheses_keep_the_order_of_evaluation() {
+        use Operator::{Add, Div, Mul, Sub};
+        let sum = || binary(Add, atom("a"), atom("b"));
+        let product = || binary(Mul, atom("a"), atom("b"));
+        assert_eq!(binary(Sub, sum(), atom("c")).flat(), "a + b - c");
+        assert_eq!(binary(Add, atom("c"), sum()).flat(), "c + (a + b)");
+        assert_eq!(binary(Div, product(), atom("c")).flat(), "a * b / c");
+        assert_eq!(binary(Mul, atom("c"), product()).flat(), "c * (a * b)");
+        assert_eq!(binary(Add, product(), product()).flat(), "a * b + a * b");
+        assert_eq!(binary(Mul, sum(), Expression::Neg(Box::new(atom("c")))).flat(), "(a + b) * (-c)");
+        assert_eq!(Expression::Neg(Box::new(sum())).flat(), "-(a + b)");
+    }
+
+    #[test]
+    fn long_sums_break_before_their_operators() {
+        let term = || binary(Operator::Mul, atom("a_long_coefficient"), atom("another_value"));
+        let two = binary(Operator::Add, term(), term());
+        let short = statement(4, "let x =", &binary(Operator::Add, two.clone(), atom("c")), ";");
+        assert_eq!(
+            short,
+            "    let x = a_long_coefficient * another_value + a_long_coefficient * another_value + c;"
+        );
+        let three = binary(Operator::Add, two, term());
+        assert_eq!(
+            statement(8, "let x =", &three, ";"),
+            "        let x = a_long_coefficient * another_value
+            + a_long_coefficient * another_value
+            + a_long_coefficient * another_value;"
+        );
+        let call = Expression::Call("search.trig".to_owned(), vec![atom("THETA1"), three]);
+        assert_eq!(
+            statement(4, "for theta1 in", &call, " {"),
+            "    for theta1 in search.trig(
+        THETA1,
+        a_long_coefficient * another_value
+            + a_long_coefficient * another_value
+            + a_long_coefficient * another_value,
+    ) {"
+        );
+    }
 }

@@ -58,7 +58,11 @@ pub(super) fn number(value: f64, scalar: ScalarType, paths: &Paths) -> String {
 /// Whether a literal of `value` would look like a carelessly written constant of mathematics.
 pub(super) fn looks_approximate(value: f64) -> bool {
     let value = value.abs();
-    NAMED.iter().map(|&(_, constant)| constant).chain(OTHERS).any(|constant| (value / constant - 1.0).abs() < 1e-2)
+    NAMED
+        .iter()
+        .map(|&(_, constant)| constant)
+        .chain(OTHERS)
+        .any(|constant| (value / constant - 1.0).abs() < 1e-2)
 }
 
 /// Underscores between groups of three digits, from the point outwards; short runs stay whole.

@@ -68,8 +68,10 @@ impl Paths {
                 None => modules.push((module.to_owned(), vec![name])),
             }
         }
-        modules.sort();
-        modules.iter().flat_map(|(module, names)| use_lines(module, names)).collect()
+        let mut uses: Vec<_> = modules.iter().map(|(module, names)| use_lines(module, names)).collect();
+        // A list of names sorts behind deeper modules.
+        uses.sort();
+        uses.concat()
     }
 
     fn imported(&self, module: &str, name: &str) -> String {

@@ -3,8 +3,8 @@
 
 use super::{Attached, Options, attach};
 use crate::model::{
-    Angle, AngleUnit, Convention, JointKind, LengthUnit, Model, Placement, Problem, Rotation, Row, Target, Units,
-    Workspace,
+    Angle, AngleUnit, Convention, JointKind, LengthUnit, Model, Placement, Problem, Rotation, Row, Target,
+    Units, Workspace,
 };
 use crate::plan::{Counts, Function, FunctionKind, Plan, Scalar, target_inputs};
 

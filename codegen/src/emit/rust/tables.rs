@@ -1,6 +1,7 @@
 //! The constants of the struct: joints, rules, poses, servos, and what the table says about itself.
 
 use super::Printer;
+use super::layout::{Expression, statement};
 use super::number::{APPROXIMATE, looks_approximate, number};
 use super::text::Text;
 use crate::model::{Bound, JointKind, Limits, Model, Row, Servo, Target};
@@ -42,7 +43,8 @@ impl Printer<'_> {
 
     fn joints(&self, text: &mut Text) {
         let ty = format!("[{}; {}]", self.tabular("Joint"), self.model.joints.len());
-        let documentation = format!("The joints, in the order of `q` ({}).", super::documentation::joint_units(self.model));
+        let documentation =
+            format!("The joints, in the order of `q` ({}).", super::documentation::joint_units(self.model));
         self.table(text, "JOINTS", &ty, &documentation, |numbers| {
             let rows = self.model.joints.iter().filter_map(|row| self.model.rows.get(*row));
             list(rows.map(|row| numbers.joint(row)), "[", "]")
@@ -68,7 +70,7 @@ impl Printer<'_> {
                 format!("sums: {}", nested(sums)),
                 format!("bounds: {}", nested(bounds.into_iter())),
                 format!("keep_out: {}", nested(boxes)),
-                format!("windings: {}", self.private("WINDINGS")),
+                format!("windings: &{}", self.private("WINDINGS")),
             ];
             list(fields, &format!("{rules} {{"), "}")
         });
@@ -79,11 +81,13 @@ impl Printer<'_> {
         let winding = self.paths.runtime("Winding");
         let numbers = Numbers { printer: self, approximate: Cell::new(false) };
         let windings = self.model.windings.iter().map(|one| {
-            format!("{winding}::new({}, {}, {})", one.joint, numbers.number(one.turn), numbers.terms(&one.carries))
+            let (turn, carries) = (numbers.number(one.turn), numbers.terms(&one.carries));
+            Expression::Atom(format!("{winding}::new({}, {turn}, {carries})", one.joint))
         });
         text.line("/// Whole turns of joints that leave every frame where it is (rad).");
-        let ty = format!("&[{}]", self.tabular("Winding"));
-        text.line(format!("const {}: {ty} = {};", self.private("WINDINGS"), list(windings, "&[", "]")));
+        let ty = format!("[{}; {}]", self.tabular("Winding"), self.model.windings.len());
+        let head = format!("const {}: {ty} =", self.private("WINDINGS"));
+        text.laid_out(&statement(0, &head, &Expression::Array(windings.collect()), ";"));
     }
 
     fn poses(&self, text: &mut Text) {
@@ -101,7 +105,11 @@ impl Printer<'_> {
     fn servos(&self, text: &mut Text) {
         let ty = format!("[(&'static str, {}); {}]", self.tabular("Servo"), self.model.servos.len());
         self.table(text, "SERVOS", &ty, "Servos outside the chain, by name.", |numbers| {
-            let servos = self.model.servos.iter().map(|servo| format!("({:?}, {})", servo.name, numbers.servo(&servo.servo)));
+            let servos = self
+                .model
+                .servos
+                .iter()
+                .map(|servo| format!("({:?}, {})", servo.name, numbers.servo(&servo.servo)));
             list(servos, "[", "]")
         });
     }
@@ -137,14 +145,20 @@ impl Printer<'_> {
         let value = value(&numbers);
         text.line(format!("/// {documentation}"));
         if numbers.approximate.get() {
-            text.line(format!("#[allow({APPROXIMATE}, reason = \"numbers of the table, as they were written\")]"));
+            text.line(format!(
+                "#[allow({APPROXIMATE}, reason = \"numbers of the table, as they were written\")]"
+            ));
         }
         let tabular = value.contains('\n');
         if tabular {
             text.line("#[rustfmt::skip]");
         }
         let mut lines = value.lines();
-        text.line(format!("pub const {name}: {ty} = {}{}", lines.next().unwrap_or_default(), if tabular { "" } else { ";" }));
+        text.line(format!(
+            "pub const {name}: {ty} = {}{}",
+            lines.next().unwrap_or_default(),
+            if tabular { "" } else { ";" }
+        ));
         let mut rest = lines.peekable();
         while let Some(line) = rest.next() {
             text.line(format!("{line}{}", if rest.peek().is_none() { ";" } else { "" }));
@@ -177,43 +191,32 @@ impl Numbers<'_, '_> {
             JointKind::Revolute => "revolute",
             JointKind::Prismatic => "prismatic",
         };
-        let mut text = format!("{}::{kind}({:?})", self.printer.paths.runtime("Joint"), row.name);
+        let mut calls = vec![format!("{}::{kind}({:?})", self.printer.paths.runtime("Joint"), row.name)];
         if let Some(limits) = row.limits {
-            text.push_str(&format!(".with_limits({})", self.range(limits)));
+            calls.push(format!(".with_limits({})", self.range(limits)));
         }
-        let rates = [
-            ("velocity", row.max_velocity),
-            ("acceleration", row.max_acceleration),
-            ("jerk", row.max_jerk),
-        ];
+        let rates =
+            [("velocity", row.max_velocity), ("acceleration", row.max_acceleration), ("jerk", row.max_jerk)];
         for (name, rate) in rates {
             if let Some(rate) = rate {
-                text.push_str(&format!(".with_max_{name}({})", self.number(rate)));
+                calls.push(format!(".with_max_{name}({})", self.number(rate)));
             }
         }
         if let Some(servo) = &row.servo {
-            text.push_str(&format!(".with_servo({})", self.servo(servo)));
+            calls.push(format!(".with_servo({})", self.servo(servo)));
         }
-        text
+        chain(&calls)
     }
 
     fn servo(&self, servo: &Servo) -> String {
-        let mut text = format!(
-            "{}::new({}, {})",
-            self.printer.paths.runtime("Servo"),
-            self.number(servo.scale),
-            self.number(servo.zero)
-        );
-        if let Some(id) = servo.id {
-            text.push_str(&format!(".with_id({id})"));
-        }
-        if let Some(range) = servo.range {
-            text.push_str(&format!(".with_range({})", self.range(range)));
-        }
-        if let Some(model) = &servo.model {
-            text.push_str(&format!(".with_model({model:?})"));
-        }
-        text
+        let (scale, zero) = (self.number(servo.scale), self.number(servo.zero));
+        let calls = [
+            Some(format!("{}::new({scale}, {zero})", self.printer.paths.runtime("Servo"))),
+            servo.id.map(|id| format!(".with_id({id})")),
+            servo.range.map(|range| format!(".with_range({})", self.range(range))),
+            servo.model.as_ref().map(|model| format!(".with_model({model:?})")),
+        ];
+        calls.into_iter().flatten().collect()
     }
 
     fn bound(&self, bound: &Bound) -> String {
@@ -224,7 +227,12 @@ impl Numbers<'_, '_> {
         };
         let side = if bound.is_min { "min" } else { "max" };
         let paths = &self.printer.paths;
-        format!("{}::{side}({}::{axis}, {})", paths.runtime("Bound"), paths.runtime("Axis"), self.number(bound.value))
+        format!(
+            "{}::{side}({}::{axis}, {})",
+            paths.runtime("Bound"),
+            paths.runtime("Axis"),
+            self.number(bound.value)
+        )
     }
 
     fn range(&self, limits: Limits) -> String {
@@ -237,24 +245,23 @@ impl Numbers<'_, '_> {
     }
 
     fn terms(&self, terms: &[(usize, f64)]) -> String {
-        let terms: Vec<_> = terms.iter().map(|(joint, factor)| format!("({joint}, {})", self.number(*factor))).collect();
+        let terms: Vec<_> =
+            terms.iter().map(|(joint, factor)| format!("({joint}, {})", self.number(*factor))).collect();
         format!("&[{}]", terms.join(", "))
     }
 }
 
+/// Calls on one line, or a call a line.
+fn chain(calls: &[String]) -> String {
+    let line = calls.concat();
+    if line.len() <= 88 { line } else { calls.join("\n    ") }
+}
+
 /// Items, one a line, between brackets.
 fn list(items: impl IntoIterator<Item = String>, open: &str, close: &str) -> String {
-    let mut text = open.to_owned();
-    let mut empty = true;
-    for item in items {
-        text.push_str(&format!("\n{},", indented(&item)));
-        empty = false;
-    }
-    if !empty {
-        text.push('\n');
-    }
-    text.push_str(close);
-    text
+    let items: String = items.into_iter().map(|item| indented(&item) + ",\n").collect();
+    let line = if items.is_empty() { "" } else { "\n" };
+    format!("{open}{line}{items}{close}")
 }
 
 /// A slice inside a table: on one line where it is empty or short.
@@ -271,5 +278,10 @@ fn indented(item: &str) -> String {
 /// Sixteen digits in groups of four.
 fn hexadecimal(value: u64) -> String {
     let digits = format!("{value:016x}");
-    digits.as_bytes().chunks(4).map(|group| String::from_utf8_lossy(group).into_owned()).collect::<Vec<_>>().join("_")
+    digits
+        .as_bytes()
+        .chunks(4)
+        .map(|group| String::from_utf8_lossy(group).into_owned())
+        .collect::<Vec<_>>()
+        .join("_")
 }

@@ -93,7 +93,9 @@ impl Text {
             return self.open(line);
         }
         self.open(format!("{head}("));
-        parameters.iter().for_each(|parameter| self.line(format!("{parameter},")));
+        for parameter in parameters {
+            self.line(format!("{parameter},"));
+        }
         self.close(format!(") -> {result} {{"));
         self.indent += 4;
     }
@@ -113,7 +115,8 @@ impl Text {
 
 /// `text` on one line, without characters that end a comment or reorder what is shown.
 pub(super) fn clean(text: &str) -> String {
-    let hidden = |c: char| matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{2028}' | '\u{2029}');
+    let hidden =
+        |c: char| matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{2028}' | '\u{2029}');
     text.chars().filter(|c| !hidden(*c)).map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
@@ -127,7 +130,7 @@ pub(super) fn escaped(text: &str) -> String {
         if word.starts_with("https://") || word.starts_with("http://") {
             let end = word.trim_end_matches(|c: char| ".,;:)".contains(c)).len();
             let (address, rest) = word.split_at(end);
-            escaped.push_str(&format!("<{}>{rest}", address.replace(['<', '>'], "")));
+            escaped.extend(["<", &address.replace(['<', '>'], ""), ">", rest]);
             continue;
         }
         for c in word.chars() {
