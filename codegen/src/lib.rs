@@ -6,3 +6,5 @@
 pub mod model;
 /// Stage 3: model -> equations.
 pub mod symbolic;
+/// Stage 4: equations -> functions as ordered, named scalar steps.
+pub mod plan;

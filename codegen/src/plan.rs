@@ -3,6 +3,16 @@
 //! A plan holds no tokens and no language, and nothing in it assumes f64. Printers (`emit`) and the interpreter
 //! (`plan::eval`) walk it and decide nothing.
 
+mod forward;
+mod schedule;
+
+/// Every function that the robot has.
+pub fn build(model: &crate::model::Model) -> Plan {
+    let mut constants = schedule::Constants::default();
+    let functions = forward::functions(model, &mut constants);
+    Plan { constants: constants.into_list(), functions }
+}
+
 /// All functions of one robot.
 #[derive(Debug, Clone)]
 pub struct Plan {

@@ -1,0 +1,320 @@
+//! From a graph of expressions to named steps in order.
+//!
+//! What is used twice gets a name, what the field has a name for keeps it, and everything else is written where it is
+//! used. Sines and cosines come first, then lengths that vary, then the rest in the order of need.
+
+use super::{Constant, ConstantId, Counts, Scalar, Step, ValueId};
+use crate::symbolic::angle::AngleForm;
+use crate::symbolic::expression::{Arena, Expr, Leaf, Node};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+
+/// Constants of a robot, shared by all its functions.
+#[derive(Debug, Default)]
+pub struct Constants {
+    list: Vec<Constant>,
+    ids: HashMap<String, ConstantId>,
+    folded: usize,
+}
+
+impl Constants {
+    /// All of them, in the order in which they were met.
+    pub fn into_list(self) -> Vec<Constant> {
+        self.list
+    }
+
+    fn named(&mut self, name: &str, value: f64, note: &str) -> ConstantId {
+        if let Some(&known) = self.ids.get(name) {
+            return known;
+        }
+        let id = ConstantId(self.list.len());
+        self.list.push(Constant { name: name.to_string(), value, note: note.to_string() });
+        self.ids.insert(name.to_string(), id);
+        id
+    }
+
+    /// A constant folded from others; the same text is the same constant.
+    fn folded(&mut self, text: &str, value: f64) -> ConstantId {
+        if let Some(&known) = self.ids.get(text) {
+            return known;
+        }
+        self.folded += 1;
+        let id = ConstantId(self.list.len());
+        self.list.push(Constant { name: format!("k{}", self.folded), value, note: format!("= {text}") });
+        self.ids.insert(text.to_string(), id);
+        id
+    }
+}
+
+/// Writes the steps of one function.
+pub struct Scheduler<'a> {
+    arena: &'a Arena,
+    constants: &'a mut Constants,
+    /// Names of all values so far.
+    pub values: Vec<String>,
+    /// What the variables of angles and slides stand for.
+    pub variables: Vec<ValueId>,
+    names: HashSet<String>,
+    defined: HashMap<Expr, ValueId>,
+    shared: BTreeSet<Expr>,
+    temporaries: usize,
+    /// Steps of the innermost scope.
+    pub steps: Vec<Step>,
+    /// What was counted so far.
+    pub counts: Counts,
+}
+
+impl<'a> Scheduler<'a> {
+    /// For a function that computes these expressions; inputs are defined first.
+    pub fn new(arena: &'a Arena, constants: &'a mut Constants, inputs: &[String], roots: &[Expr]) -> Self {
+        let (mul, add) = arena.operations(roots);
+        let mut scheduler = Self {
+            arena,
+            constants,
+            values: Vec::new(),
+            variables: Vec::new(),
+            names: HashSet::new(),
+            defined: HashMap::new(),
+            shared: shared(arena, roots),
+            temporaries: 0,
+            steps: Vec::new(),
+            counts: Counts { mul, add, ..Counts::default() },
+        };
+        for input in inputs {
+            scheduler.value(input);
+        }
+        scheduler
+    }
+
+    /// A new value of this name, or of one like it where the name is taken.
+    pub fn value(&mut self, name: &str) -> ValueId {
+        let mut unique = name.to_string();
+        let mut tries = 1;
+        while !self.names.insert(unique.clone()) {
+            tries += 1;
+            unique = format!("{name}_v{tries}");
+        }
+        self.values.push(unique);
+        ValueId(self.values.len() - 1)
+    }
+
+    /// Says that an expression (a leaf) is this value.
+    pub fn bind(&mut self, expr: Expr, value: ValueId) {
+        self.defined.insert(expr, value);
+    }
+
+    /// Writes steps for all that the expressions need, and returns them in terms of those.
+    pub fn scalars(&mut self, roots: &[Expr]) -> Vec<Scalar> {
+        self.leaves(roots);
+        roots.iter().map(|root| self.scalar(*root)).collect()
+    }
+
+    /// Sines, cosines and slides that the expressions need and that aren't there yet, in the order of the joints.
+    fn leaves(&mut self, roots: &[Expr]) {
+        let mut angles: BTreeMap<(Vec<usize>, usize), [Option<Expr>; 2]> = BTreeMap::new();
+        let mut slides = BTreeMap::new();
+        let mut seen = HashSet::new();
+        let mut open = roots.to_vec();
+        while let Some(x) = open.pop() {
+            if !seen.insert(x) || self.defined.contains_key(&x) {
+                continue;
+            }
+            match self.arena.node(x) {
+                Node::Number(_) => {}
+                Node::Leaf(index) => {
+                    slides.insert(index, x);
+                }
+                Node::Sin(index) | Node::Cos(index) => {
+                    let Some((_, form)) = self.arena.angle_at(index) else { continue };
+                    let order = form.terms.iter().map(|term| term.0).collect();
+                    let pair = angles.entry((order, index)).or_default();
+                    let [sin, cos] = pair;
+                    *(if matches!(self.arena.node(x), Node::Sin(_)) { sin } else { cos }) = Some(x);
+                }
+                Node::Neg(a) => open.push(a),
+                Node::Add(a, b) | Node::Mul(a, b) => open.extend([a, b]),
+            }
+        }
+        for ((_, index), [sin, cos]) in angles {
+            self.sin_cos(index, sin, cos);
+        }
+        for (index, x) in slides {
+            self.slide(index, x);
+        }
+    }
+
+    /// `(s, c) = sincos(angle)`. Whole quarter turns are taken out of the angle and put into the names, where they are
+    /// exact and cost nothing.
+    fn sin_cos(&mut self, index: usize, sin: Option<Expr>, cos: Option<Expr>) {
+        let Some((suffix, form)) = self.arena.angle_at(index) else { return };
+        let quarters = if form.turn.rest == 0.0 && form.turn.fifteenths % 6 == 0 {
+            form.turn.fifteenths.div_euclid(6).rem_euclid(4)
+        } else {
+            0
+        };
+        let angle = self.angle(form, quarters);
+        self.counts.sincos += 1;
+        let name = |letter: &str, negative: bool| format!("{}{letter}{suffix}", if negative { "n" } else { "" });
+        // What the library's sine and cosine of the reduced angle are of the whole angle.
+        let (first, second) = match quarters {
+            1 => (("c", true), ("s", false)),
+            2 => (("s", true), ("c", true)),
+            3 => (("c", false), ("s", true)),
+            _ => (("s", false), ("c", false)),
+        };
+        let ids = [first, second].map(|(letter, negative)| self.value(&name(letter, negative)));
+        let [sin_id, cos_id] = ids;
+        self.steps.push(Step::SinCos { sin: sin_id, cos: cos_id, angle });
+        for ((letter, negative), id) in [first, second].into_iter().zip(ids) {
+            let Some(expr) = (if letter == "s" { sin } else { cos }) else { continue };
+            let id = if negative {
+                let whole = self.value(&name(letter, false));
+                self.steps.push(Step::Let { name: whole, value: Scalar::Neg(Box::new(Scalar::Value(id))) });
+                whole
+            } else {
+                id
+            };
+            self.defined.insert(expr, id);
+        }
+    }
+
+    /// The argument, less the quarter turns taken out of it.
+    fn angle(&mut self, form: &AngleForm, quarters: i32) -> Scalar {
+        let constant = if quarters == 0 { form.turn.value() } else { 0.0 };
+        let scalar = self.linear(&form.terms, constant);
+        self.counts.angle_add += (form.terms.len() + usize::from(constant != 0.0)).saturating_sub(1);
+        scalar
+    }
+
+    /// Sum of coefficient * variable, and a constant.
+    pub fn linear(&self, terms: &[(usize, f64)], constant: f64) -> Scalar {
+        let mut sum: Option<Scalar> = None;
+        for &(variable, coefficient) in terms {
+            let Some(&value) = self.variables.get(variable) else { continue };
+            let value = Scalar::Value(value);
+            let size = coefficient.abs();
+            let term =
+                if size == 1.0 { value } else { Scalar::Mul(Box::new(Scalar::Number(size)), Box::new(value)) };
+            sum = Some(signed_sum(sum, term, coefficient < 0.0));
+        }
+        if constant != 0.0 {
+            sum = Some(signed_sum(sum, Scalar::Number(constant.abs()), constant < 0.0));
+        }
+        sum.unwrap_or(Scalar::Number(0.0))
+    }
+
+    fn slide(&mut self, index: usize, x: Expr) {
+        let Some((name, Leaf::Slide { terms, constant })) = self.arena.leaf_at(index) else { return };
+        let value = self.linear(terms, *constant);
+        let id = self.value(name);
+        self.steps.push(Step::Let { name: id, value });
+        self.defined.insert(x, id);
+    }
+
+    fn scalar(&mut self, x: Expr) -> Scalar {
+        if let Some(&id) = self.defined.get(&x) {
+            return Scalar::Value(id);
+        }
+        if self.arena.is_constant(x) {
+            return self.constant(x);
+        }
+        let value = self.written(x);
+        let name = self.arena.name_of(x).map(str::to_string);
+        let needed = self.shared.contains(&x);
+        if name.is_none() && !needed {
+            return value;
+        }
+        let name = name.unwrap_or_else(|| {
+            self.temporaries += 1;
+            format!("t{}", self.temporaries)
+        });
+        let id = self.value(&name);
+        self.steps.push(Step::Let { name: id, value });
+        self.defined.insert(x, id);
+        Scalar::Value(id)
+    }
+
+    /// The expression itself, its parts by name where they have one.
+    fn written(&mut self, x: Expr) -> Scalar {
+        match self.arena.node(x) {
+            Node::Neg(a) => negated(self.scalar(a)),
+            Node::Add(a, b) => {
+                let first = self.scalar(a);
+                match self.arena.node(b) {
+                    Node::Neg(inner) if !self.arena.is_constant(b) => {
+                        Scalar::Sub(Box::new(first), Box::new(self.scalar(inner)))
+                    }
+                    _ => added(first, self.scalar(b)),
+                }
+            }
+            Node::Mul(a, b) => Scalar::Mul(Box::new(self.scalar(a)), Box::new(self.scalar(b))),
+            Node::Number(number) => Scalar::Number(number.value()),
+            // Leaves and angles were defined before; one that was not would be a leaf of another function.
+            Node::Leaf(_) | Node::Sin(_) | Node::Cos(_) => Scalar::Number(f64::NAN),
+        }
+    }
+
+    fn constant(&mut self, x: Expr) -> Scalar {
+        match self.arena.node(x) {
+            Node::Number(number) => Scalar::Number(number.value()),
+            Node::Neg(inner) => negated(self.constant(inner)),
+            Node::Leaf(index) => match self.arena.leaf_at(index) {
+                Some((name, Leaf::Parameter { value, note })) => {
+                    Scalar::Constant(self.constants.named(name, *value, note))
+                }
+                _ => Scalar::Number(f64::NAN),
+            },
+            _ => {
+                let text = crate::symbolic::text::expression(self.arena, x);
+                Scalar::Constant(self.constants.folded(&text, self.arena.constant_value(x)))
+            }
+        }
+    }
+}
+
+fn signed_sum(sum: Option<Scalar>, term: Scalar, negative: bool) -> Scalar {
+    match (sum, negative) {
+        (None, false) => term,
+        (None, true) => Scalar::Neg(Box::new(term)),
+        (Some(sum), false) => Scalar::Add(Box::new(sum), Box::new(term)),
+        (Some(sum), true) => Scalar::Sub(Box::new(sum), Box::new(term)),
+    }
+}
+
+fn negated(x: Scalar) -> Scalar {
+    match x {
+        Scalar::Neg(inner) => *inner,
+        Scalar::Sub(a, b) => Scalar::Sub(b, a),
+        other => Scalar::Neg(Box::new(other)),
+    }
+}
+
+fn added(a: Scalar, b: Scalar) -> Scalar {
+    match b {
+        Scalar::Neg(inner) => Scalar::Sub(Box::new(a), inner),
+        other => Scalar::Add(Box::new(a), Box::new(other)),
+    }
+}
+
+/// Products and sums that are used more than once.
+fn shared(arena: &Arena, roots: &[Expr]) -> BTreeSet<Expr> {
+    let mut uses: HashMap<Expr, usize> = HashMap::new();
+    let mut open: Vec<Expr> = roots.to_vec();
+    while let Some(x) = open.pop() {
+        let (_, x) = arena.split_sign(x);
+        if arena.is_constant(x) {
+            continue;
+        }
+        let count = uses.entry(x).or_insert(0);
+        *count += 1;
+        if *count > 1 {
+            continue;
+        }
+        if let Node::Add(a, b) | Node::Mul(a, b) = arena.node(x) {
+            open.extend([a, b]);
+        }
+    }
+    uses.into_iter()
+        .filter(|(x, count)| *count > 1 && matches!(arena.node(*x), Node::Add(..) | Node::Mul(..)))
+        .map(|(x, _)| x)
+        .collect()
+}
