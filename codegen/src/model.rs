@@ -8,6 +8,9 @@ use std::ops::Range;
 mod angle;
 /// Fixed transforms between joints.
 pub mod chain;
+/// The plain product of the rows, for verification.
+pub mod product;
+mod reach;
 mod recentre;
 
 pub use angle::EXACT_ANGLE_TOLERANCE;
@@ -316,6 +319,22 @@ pub enum Target {
     XyYaw,
 }
 
+impl Target {
+    /// Names of the numbers that a target is made of, in the order in which functions take them.
+    pub fn input_names(self) -> &'static [&'static str] {
+        match self {
+            Self::Pose => &["r11", "r12", "r13", "px", "r21", "r22", "r23", "py", "r31", "r32", "r33", "pz"],
+            Self::Position | Self::Lookat => &["px", "py", "pz"],
+            Self::PositionDirection | Self::Ray => &["px", "py", "pz", "zx", "zy", "zz"],
+            Self::PositionYaw => &["px", "py", "pz", "cyaw", "syaw"],
+            Self::Rotation => &["r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"],
+            Self::Direction => &["zx", "zy", "zz"],
+            Self::Xy => &["px", "py"],
+            Self::XyYaw => &["px", "py", "cyaw", "syaw"],
+        }
+    }
+}
+
 /// A linear form in row variables: sum of coefficient * theta (or d) of a row, and a constant. `q*` and joint names
 /// are already expressed in theta and d.
 #[derive(Debug, Clone)]
@@ -338,3 +357,6 @@ pub struct Filter {
     /// `<` rather than `<=`.
     pub strict: bool,
 }
+
+#[cfg(test)]
+mod tests;

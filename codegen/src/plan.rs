@@ -3,14 +3,23 @@
 //! A plan holds no tokens and no language, and nothing in it assumes f64. Printers (`emit`) and the interpreter
 //! (`plan::eval`) walk it and decide nothing.
 
+/// The interpreter.
+pub mod eval;
+#[cfg(test)]
+pub(crate) mod fixtures;
 mod forward;
+mod inverse;
 mod schedule;
 
-/// Every function that the robot has.
-pub fn build(model: &crate::model::Model) -> Plan {
+pub use inverse::Unsolved;
+
+/// Every function that the robot has, and the problems that have none.
+pub fn build(model: &crate::model::Model) -> (Plan, Vec<Unsolved>) {
     let mut constants = schedule::Constants::default();
-    let functions = forward::functions(model, &mut constants);
-    Plan { constants: constants.into_list(), functions }
+    let mut functions = forward::functions(model, &mut constants);
+    let (inverse, unsolved) = inverse::functions(model, &mut constants);
+    functions.extend(inverse);
+    (Plan { constants: constants.into_list(), functions }, unsolved)
 }
 
 /// All functions of one robot.
@@ -81,17 +90,7 @@ pub struct Function {
 
 /// Names of the numbers that a target is made of, in the order in which they are inputs.
 pub fn target_inputs(target: crate::model::Target) -> &'static [&'static str] {
-    use crate::model::Target;
-    match target {
-        Target::Pose => &["r11", "r12", "r13", "px", "r21", "r22", "r23", "py", "r31", "r32", "r33", "pz"],
-        Target::Position | Target::Lookat => &["px", "py", "pz"],
-        Target::PositionDirection | Target::Ray => &["px", "py", "pz", "zx", "zy", "zz"],
-        Target::PositionYaw => &["px", "py", "pz", "cyaw", "syaw"],
-        Target::Rotation => &["r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"],
-        Target::Direction => &["zx", "zy", "zz"],
-        Target::Xy => &["px", "py"],
-        Target::XyYaw => &["px", "py", "cyaw", "syaw"],
-    }
+    target.input_names()
 }
 
 /// Operation counts of a function, of what is left after constants are folded.
@@ -192,6 +191,8 @@ pub struct Stage {
     pub measure: Measure,
     /// The equation as text, for the generated comments: "px s1 - py c1 = d4".
     pub equation: String,
+    /// Abbreviations that the equation uses and that no earlier stage defined: (name, definition).
+    pub definitions: Vec<(String, String)>,
     /// Where it comes from: "row 2 of the position in frame 1".
     pub origin: String,
 }

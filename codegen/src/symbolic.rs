@@ -10,6 +10,7 @@ pub mod transform;
 pub mod chain;
 pub mod forward_kinematics;
 pub mod jacobian;
+pub mod inverse_kinematics;
 pub mod text;
 
 use crate::model::Model;

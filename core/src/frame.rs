@@ -130,12 +130,14 @@ impl<S: Float> Frame<S> {
         let [[a, b, c], [d, e, f], [g, h, i]] = self.rotation;
         let determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
         let gram = matrix_product(&transpose(&self.rotation), &self.rotation);
+        // Every entry is in the determinant: it is NaN where any of them is.
         let mut worst = (determinant - S::ONE).abs();
         for (row, unit) in gram.iter().zip(&Self::IDENTITY.rotation) {
             for (x, one) in row.iter().zip(unit) {
                 let error = (*x - *one).abs();
-                // Written so that a NaN stays.
-                worst = if error <= worst { worst } else { error };
+                if error > worst {
+                    worst = error;
+                }
             }
         }
         worst

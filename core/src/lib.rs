@@ -12,6 +12,7 @@
 mod error;
 mod float;
 mod frame;
+mod generated;
 mod joint;
 mod kinematics;
 mod mounted;
@@ -24,12 +25,14 @@ mod selection;
 mod solution_set;
 mod solutions;
 mod step;
+mod tables;
 mod target;
 mod windings;
 
 pub use error::{IkError, LengthError};
 pub use float::Float;
 pub use frame::{Frame, rotation_error};
+pub use generated::{copy_into, joint_array};
 pub use joint::{Joint, JointKind, Limits, NamedPose, Servo};
 pub use kinematics::{FULL_POSE, Kinematics, ProblemInfo};
 pub use mounted::{Mounted, MountingFrame};
@@ -38,7 +41,7 @@ pub use nalgebra_types::{Jacobian, Pose, jacobian_from_columns};
 pub use rules::{
     Axis, Bound, KeepOut, Rule, Rules, Side, SumLimit, Violation, Violations, Winding,
 };
-pub use search::{Roots, Search};
+pub use search::{Condition, Roots, Search};
 pub use solution_set::{SolutionSet, SolutionView};
 pub use solutions::{Solution, Solutions};
 pub use step::{Measure, Step};

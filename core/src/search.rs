@@ -1,8 +1,11 @@
 //! A search for all solutions of one inverse problem: equations are solved one after the other, candidates are
 //! accepted or refused, and where nothing is found the failure that came furthest says why.
 
+mod conditions;
 mod polynomial;
 mod trigonometric;
+
+pub use conditions::Condition;
 
 use crate::{Float, IkError, Rule, Solution, Solutions, Step, Winding, residual_tolerance};
 

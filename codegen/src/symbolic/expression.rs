@@ -156,7 +156,7 @@ impl Arena {
             return self.signed(x_sign, double);
         }
         let ((first_sign, first), (second_sign, second)) =
-            if x < y { ((x_sign, x), (y_sign, y)) } else { ((y_sign, y), (x_sign, x)) };
+            if self.order(x) < self.order(y) { ((x_sign, x), (y_sign, y)) } else { ((y_sign, y), (x_sign, x)) };
         let second = if first_sign == second_sign { second } else { self.neg(second) };
         let sum = self.intern(Node::Add(first, second));
         self.signed(first_sign, sum)
@@ -187,6 +187,7 @@ impl Arena {
         if self.is_constant(first)
             && let Node::Mul(inner, rest) = self.node(second)
             && self.is_constant(inner)
+            && !self.is_constant(rest)
         {
             let constant = self.mul(first, inner);
             let product = self.mul(constant, rest);
@@ -306,6 +307,11 @@ impl Arena {
 
     fn signed(&mut self, positive: bool, x: Expr) -> Expr {
         if positive { x } else { self.neg(x) }
+    }
+
+    /// Order of summands: as they came up, constants last.
+    fn order(&self, x: Expr) -> (bool, Expr) {
+        (self.is_constant(x), x)
     }
 
     /// Order of factors: numbers, then other constants, then the rest as they came up.

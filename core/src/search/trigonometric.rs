@@ -6,8 +6,12 @@ use crate::{Float, IkError, Step};
 /// Two rows whose directions differ by less than this many square roots of the machine epsilon (rad) are one row.
 const PARALLEL: f64 = 1.0;
 
-/// A cosine and sine that are off the unit circle by more than this come from a row that is nothing but rounding.
+/// Where a cosine and sine are off the unit circle by more than this, one of their rows may be nothing but rounding.
 const UNRELIABLE: f64 = 1e-3;
+
+/// It is, if it has less than this share of the larger one's size. (Two small rows of one size still tell the angle,
+/// however wrong that size: its rounding is the same in both.)
+const WEAK: f64 = 0.125;
 
 impl<const N: usize, S: Float> Search<'_, N, S> {
     /// The angles x (rad) with a cos x + b sin x = c: two, or one at the edge of the domain.
@@ -79,11 +83,14 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let sine = (a1 * c2 - a2 * c1) / determinant;
         let length = size(cosine, sine);
         let off = (length - S::ONE).abs();
+        // What the two rows say between them that the larger one alone doesn't.
+        let rest = h_small * determinant.abs();
         // What small errors of the right-hand sides can make of cosine and sine.
-        if off > scale.tolerance / (h_small * determinant.abs()) {
+        if off > scale.tolerance / rest {
             return self.unreachable(step, off * h, h, &scale);
         }
-        if off > S::from_f64(UNRELIABLE) && h > scale.tolerance {
+        if off > S::from_f64(UNRELIABLE) && rest <= scale.tolerance && rest < S::from_f64(WEAK) * h
+        {
             return self.solve_trig(step, larger, &scale);
         }
         if length <= S::ZERO {

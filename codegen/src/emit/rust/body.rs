@@ -1,0 +1,101 @@
+//! Steps of a function as statements.
+
+use super::expression::Leaves;
+use super::layout::{Expression, statement};
+use super::liveness::{Live, coefficients};
+use super::names::Names;
+use super::text::Text;
+use crate::plan::{Equation, Function, FunctionKind, Scalar, Step, ValueId};
+
+/// A function under print.
+pub(super) struct Body<'a> {
+    pub(super) function: &'a Function,
+    pub(super) leaves: Leaves<'a>,
+    pub(super) live: Live,
+    /// Name of the constant that describes each stage.
+    pub(super) stages: &'a [String],
+}
+
+/// Identifiers of a function: its values and its stages.
+pub(super) struct Locals {
+    pub(super) values: Vec<String>,
+    pub(super) stages: Vec<String>,
+}
+
+impl Locals {
+    /// Names that hide neither each other nor anything in `scope`. Inputs of forward functions are entries of `q`.
+    pub(super) fn of(function: &Function, scope: &Names) -> Self {
+        let mut names = scope.clone();
+        let forward = !matches!(function.kind, FunctionKind::Inverse(_));
+        let name = |(i, name): (usize, &String)| {
+            if forward && i < function.inputs { format!("q[{i}]") } else { names.local(name) }
+        };
+        let values = function.values.iter().enumerate().map(name).collect();
+        let mut names = scope.clone();
+        let stages = function.stages.iter().map(|stage| names.constant(&stage.unknown)).collect();
+        Self { values, stages }
+    }
+}
+
+impl Body<'_> {
+    /// Statements for `steps`; `accept` prints what is done with a candidate.
+    pub(super) fn steps(&self, text: &mut Text, steps: &[Step], accept: &dyn Fn(&mut Text, &[Scalar])) {
+        for step in steps {
+            match step {
+                Step::Let { name, value } if self.live.value(*name) => {
+                    let head = format!("let {} =", self.name(*name));
+                    text.laid_out(&statement(text.indent(), &head, &self.leaves.expression(value), ";"));
+                }
+                Step::SinCos { sin, cos, angle } if self.live.value(*sin) || self.live.value(*cos) => {
+                    let head = format!("let ({}, {}) =", self.name(*sin), self.name(*cos));
+                    let sin_cos = format!("{}::sin_cos", self.leaves.paths.runtime("Float"));
+                    let call = Expression::Call(sin_cos, vec![self.leaves.expression(angle)]);
+                    text.laid_out(&statement(text.indent(), &head, &call, ";"));
+                }
+                Step::Let { .. } | Step::SinCos { .. } => {}
+                Step::Solve { stage, root, equation, body } => {
+                    text.gap();
+                    if let Some(stage) = self.function.stages.get(*stage) {
+                        text.paragraph(
+                            "//",
+                            &format!("{}: {} ({})", stage.unknown, stage.equation, stage.origin),
+                        );
+                    }
+                    let head = format!("for {} in", self.name(*root));
+                    let call = self.kernel(*stage, equation);
+                    text.laid_out(&statement(text.indent(), &head, &call, " {"));
+                    let mut nested = Text::indented(text.indent() / 4 + 1);
+                    self.steps(&mut nested, body, accept);
+                    text.append(&nested.into_string());
+                    text.line("}");
+                }
+                Step::Accept { q } => accept(text, q),
+            }
+        }
+    }
+
+    /// The solver's call for an equation.
+    fn kernel(&self, stage: usize, equation: &Equation) -> Expression {
+        let mut arguments = vec![Expression::Atom(self.stages.get(stage).cloned().unwrap_or_default())];
+        let scalars = coefficients(equation).into_iter().map(|scalar| self.leaves.expression(scalar));
+        let method = match equation {
+            Equation::Trig { .. } => "search.trig",
+            Equation::TrigPair { .. } => "search.trig_pair",
+            Equation::Linear { .. } => "search.linear",
+            Equation::Quadratic { .. } => "search.quadratic",
+        };
+        if let Equation::TrigPair { .. } = equation {
+            let mut first: Vec<_> = scalars.collect();
+            let second = first.split_off(first.len().min(3));
+            arguments.extend([Expression::Array(first), Expression::Array(second)]);
+        } else {
+            arguments.extend(scalars);
+        }
+        Expression::Call(method.to_owned(), arguments)
+    }
+
+    /// The name of a value, or `_` for one that nothing reads.
+    pub(super) fn name(&self, id: ValueId) -> &str {
+        if self.live.value(id) { self.leaves.values.get(id.0).map_or("_", String::as_str) } else { "_" }
+    }
+}

@@ -1,0 +1,112 @@
+//! What is printed for a table with mistakes: the functions that it would have had, so that each mistake is reported
+//! once, where it was made, and not again wherever a function is used.
+
+use super::{Attached, Options, attach};
+use crate::model::{
+    Angle, AngleUnit, Convention, JointKind, LengthUnit, Model, Placement, Problem, Rotation, Row, Target,
+    Units, Workspace,
+};
+use crate::plan::{Counts, Function, FunctionKind, Plan, Scalar, target_inputs};
+
+/// What could be read of a table.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Outline {
+    /// One a row: whether it is a joint (it may be held).
+    pub rows: Vec<bool>,
+    /// Names and targets of the inverse problems, without the full pose.
+    pub problems: Vec<(String, Target)>,
+}
+
+/// Functions of the right signatures that compute nothing, to go with an error.
+pub fn stub(outline: &Outline, options: &Options) -> Attached {
+    let model = hollow_model(outline);
+    let plan = hollow_plan(&model);
+    Attached { documentation: String::new(), ..attach(&model, &plan, options) }
+}
+
+fn hollow_model(outline: &Outline) -> Model {
+    let nowhere = Placement { xyz: [0.0; 3], rotation: Rotation::Rpy([Angle::ZERO; 3]) };
+    let mut joints = Vec::new();
+    for (row, joint) in outline.rows.iter().enumerate() {
+        if *joint {
+            joints.push(row);
+        }
+    }
+    let row = |(i, joint): (usize, &bool)| Row {
+        name: format!("J{}", i + 1),
+        kind: JointKind::Revolute,
+        d: 0.0,
+        a: 0.0,
+        alpha: Angle::ZERO,
+        beta: Angle::ZERO,
+        theta: Angle::ZERO,
+        shift: 0.0,
+        terms: Vec::new(),
+        variable: joint.then_some(i),
+        limits: None,
+        max_velocity: None,
+        max_acceleration: None,
+        max_jerk: None,
+        servo: None,
+        span: 0..0,
+        line: 0,
+    };
+    let problem = |(name, target): &(String, Target)| Problem {
+        name: name.clone(),
+        target: *target,
+        constraints: Vec::new(),
+        filters: Vec::new(),
+        free: Vec::new(),
+        span: 0..0,
+        line: 0,
+    };
+    Model {
+        name: String::new(),
+        manufacturer: None,
+        source: None,
+        convention: Convention::Standard,
+        units: Units { length: LengthUnit::Metre, angle: AngleUnit::Radian },
+        rows: outline.rows.iter().enumerate().map(row).collect(),
+        joints,
+        base: nowhere.clone(),
+        tool: nowhere,
+        workspace: Workspace::default(),
+        sums: Vec::new(),
+        poses: Vec::new(),
+        problems: outline.problems.iter().map(problem).collect(),
+        windings: Vec::new(),
+        servos: Vec::new(),
+        device: None,
+        fingerprint: 0,
+    }
+}
+
+fn hollow_plan(model: &Model) -> Plan {
+    let joints = model.joints.len();
+    let function = |kind: FunctionKind, inputs: Vec<String>, outputs: usize| Function {
+        kind,
+        inputs: inputs.len(),
+        values: inputs,
+        steps: Vec::new(),
+        outputs: vec![Scalar::Number(0.0); outputs],
+        counts: Counts::default(),
+        stages: Vec::new(),
+    };
+    let forward = [
+        (FunctionKind::Fk, 12),
+        (FunctionKind::FkFlange, 12),
+        (FunctionKind::Jacobian, 6 * joints),
+        (FunctionKind::FkJacobian, 12 + 6 * joints),
+        (FunctionKind::Frames, 12 * (model.rows.len() + 1)),
+    ];
+    let q: Vec<_> = (1..=joints).map(|i| format!("q{i}")).collect();
+    let mut functions: Vec<_> =
+        forward.into_iter().map(|(kind, outputs)| function(kind, q.clone(), outputs)).collect();
+    let inverse = |problem, target| {
+        let inputs = target_inputs(target).iter().map(ToString::to_string).collect();
+        function(FunctionKind::Inverse(problem), inputs, 0)
+    };
+    functions.push(inverse(None, Target::Pose));
+    functions.extend(model.problems.iter().enumerate().map(|(i, problem)| inverse(Some(i), problem.target)));
+    Plan { constants: Vec::new(), functions }
+}

@@ -1,0 +1,68 @@
+//! The `where` of an inverse problem on a candidate.
+
+use crate::model::{JointKind, Model, Problem};
+use dh_core::Float;
+
+/// How far (rad or m) a bound that is included may be passed: roots at the bound itself are rounded to either side.
+const TOLERANCE: f64 = 1e-9;
+
+/// sum of coefficient * theta (or d) + constant <= 0.
+#[derive(Debug, Clone)]
+pub(super) struct Filter<S> {
+    terms: Vec<(Variable<S>, S)>,
+    constant: S,
+    strict: bool,
+}
+
+/// theta or d of a row as a form in the joint variables.
+#[derive(Debug, Clone)]
+struct Variable<S> {
+    /// theta rather than d.
+    angle: bool,
+    zero: S,
+    terms: Vec<(usize, S)>,
+}
+
+impl<S: Float> Filter<S> {
+    /// Those of a problem.
+    pub(super) fn all_of(model: &Model, problem: &Problem) -> Vec<Self> {
+        let filter = |filter: &crate::model::Filter| Filter {
+            terms: filter
+                .form
+                .terms
+                .iter()
+                .filter_map(|(row, factor)| Some((Variable::of(model, *row)?, S::from_f64(*factor))))
+                .collect(),
+            constant: S::from_f64(filter.form.constant.value),
+            strict: filter.strict,
+        };
+        problem.filters.iter().map(filter).collect()
+    }
+
+    /// By how much (rad or m) joint variables break the inequality, every theta taken in (-pi, pi]; `None` where
+    /// they satisfy it.
+    pub(super) fn broken_by(&self, q: &[S]) -> Option<S> {
+        let add = |sum, (variable, factor): &(Variable<S>, S)| sum + *factor * variable.at(q);
+        let form = self.terms.iter().fold(self.constant, add);
+        let tolerance = S::from_f64(TOLERANCE).max(S::from_f64(16.0) * S::EPSILON);
+        let kept = if self.strict { form < S::ZERO } else { form <= tolerance };
+        if kept { None } else { Some(form) }
+    }
+}
+
+impl<S: Float> Variable<S> {
+    fn of(model: &Model, row: usize) -> Option<Self> {
+        let row = model.rows.get(row)?;
+        let angle = row.kind == JointKind::Revolute;
+        let zero = if angle { row.theta.value } else { row.d };
+        let terms = row.terms.iter().map(|(joint, factor)| (*joint, S::from_f64(*factor))).collect();
+        Some(Variable { angle, zero: S::from_f64(zero), terms })
+    }
+
+    fn at(&self, q: &[S]) -> S {
+        let add =
+            |sum, (joint, factor): &(usize, S)| sum + *factor * q.get(*joint).copied().unwrap_or(S::ZERO);
+        let value = self.terms.iter().fold(self.zero, add);
+        if self.angle { value.wrap_angle() } else { value }
+    }
+}

@@ -1,0 +1,156 @@
+//! Lowering: a function of a plan, checked once, as instructions over numbered registers.
+//!
+//! Registers are the function's values, then the numbers it uses, then temporaries. After the checks here no
+//! register number can be out of range and no value is read before it is defined.
+
+use super::error::PlanError;
+use super::lowering::Lowering;
+use crate::model::{JointKind, Model, Target};
+use crate::plan::{Function, FunctionKind, Measure, Plan, Stage, target_inputs};
+use dh_core::Float;
+
+/// Number of a register.
+pub(super) type Register = usize;
+
+/// One operation on registers. Operands are read before the result is written.
+#[derive(Debug, Clone)]
+pub(super) enum Instruction {
+    Copy {
+        to: Register,
+        from: Register,
+    },
+    Negate {
+        to: Register,
+        from: Register,
+    },
+    Add {
+        to: Register,
+        left: Register,
+        right: Register,
+    },
+    Subtract {
+        to: Register,
+        left: Register,
+        right: Register,
+    },
+    Multiply {
+        to: Register,
+        left: Register,
+        right: Register,
+    },
+    Divide {
+        to: Register,
+        left: Register,
+        right: Register,
+    },
+    SinCos {
+        sin: Register,
+        cos: Register,
+        angle: Register,
+    },
+    /// A named value is complete; for traces only.
+    Named(Register),
+    Solve(Box<Solve>),
+    /// A candidate: the registers of q.
+    Accept(Vec<Register>),
+}
+
+/// For every root of an equation: the instructions of `body`.
+#[derive(Debug, Clone)]
+pub(super) struct Solve {
+    pub(super) stage: usize,
+    pub(super) root: Register,
+    pub(super) equation: Kernel,
+    pub(super) body: Vec<Instruction>,
+}
+
+/// Which numeric kernel solves an equation, with the registers of its coefficients.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Kernel {
+    Trig([Register; 3]),
+    TrigPair([Register; 3], [Register; 3]),
+    Linear([Register; 2]),
+    Quadratic([Register; 3]),
+}
+
+/// A checked function in the scalar type `S`.
+#[derive(Debug, Clone)]
+pub(super) struct Routine<S> {
+    /// How many of the first registers are inputs.
+    pub(super) inputs: usize,
+    /// The registers at the start: numbers in place, the rest zero.
+    pub(super) start: Vec<S>,
+    pub(super) code: Vec<Instruction>,
+    pub(super) outputs: Vec<Register>,
+    pub(super) stages: Vec<dh_core::Step>,
+}
+
+impl<S: Float> Routine<S> {
+    /// Checks and lowers one function of a plan.
+    pub(super) fn lower(model: &Model, plan: &Plan, function: &Function) -> Result<Self, PlanError> {
+        let shape = Shape::of(model, &function.kind)?;
+        shape.check(function)?;
+        let mut lowering = Lowering {
+            plan,
+            function,
+            joints: model.joints.len(),
+            start: vec![S::ZERO; function.values.len()],
+            defined: (0..function.values.len()).map(|value| value < function.inputs).collect(),
+        };
+        let mut code = lowering.steps(&function.steps, 0)?;
+        let outputs = function.outputs.iter().map(|output| lowering.scalar(output, &mut code));
+        let outputs = outputs.collect::<Result<_, _>>()?;
+        let stages = stages(model, function)?;
+        Ok(Routine { inputs: function.inputs, start: lowering.start, code, outputs, stages })
+    }
+}
+
+/// How many inputs and outputs a kind of function has.
+struct Shape {
+    inputs: usize,
+    outputs: usize,
+}
+
+impl Shape {
+    fn of(model: &Model, kind: &FunctionKind) -> Result<Self, PlanError> {
+        let joints = model.joints.len();
+        let forward = |outputs| Shape { inputs: joints, outputs };
+        Ok(match kind {
+            FunctionKind::Fk | FunctionKind::FkFlange => forward(12),
+            FunctionKind::Jacobian => forward(6 * joints),
+            FunctionKind::FkJacobian => forward(12 + 6 * joints),
+            FunctionKind::Frames => forward(12 * (model.rows.len() + 1)),
+            FunctionKind::Inverse(None) => Shape { inputs: target_inputs(Target::Pose).len(), outputs: 0 },
+            FunctionKind::Inverse(Some(index)) => {
+                let problem = model.problems.get(*index).ok_or(PlanError::Problem { index: *index })?;
+                Shape { inputs: target_inputs(problem.target).len() + problem.free.len(), outputs: 0 }
+            }
+        })
+    }
+
+    fn check(&self, function: &Function) -> Result<(), PlanError> {
+        if function.inputs != self.inputs || function.inputs > function.values.len() {
+            return Err(PlanError::Inputs { expected: self.inputs, got: function.inputs });
+        }
+        if function.outputs.len() != self.outputs {
+            return Err(PlanError::Outputs { expected: self.outputs, got: function.outputs.len() });
+        }
+        Ok(())
+    }
+}
+
+/// The stages in the form in which the numeric kernels take them.
+fn stages(model: &Model, function: &Function) -> Result<Vec<dh_core::Step>, PlanError> {
+    let step = |(index, stage): (usize, &Stage)| {
+        let measure = match stage.measure {
+            Measure::Ratio => dh_core::Measure::Ratio,
+            Measure::Length => dh_core::Measure::Length,
+            Measure::Area => dh_core::Measure::Area,
+        };
+        let first = model.rows.get(stage.rows.trailing_zeros() as usize);
+        let prismatic = first.is_some_and(|row| row.kind == JointKind::Prismatic);
+        let index = u8::try_from(index).map_err(|_| PlanError::Stage { index })?;
+        Ok(dh_core::Step { index, rows: stage.rows, prismatic, measure })
+    };
+    function.stages.iter().enumerate().map(step).collect()
+}

@@ -1,0 +1,183 @@
+//! Running a lowered function.
+
+use super::filter::Filter;
+use super::routine::{Instruction, Kernel, Register, Routine, Solve};
+use super::trace::Event;
+use crate::plan::Function;
+use dh_core::{Float, Frame, MAX_JOINTS, Roots, Rule, Search, Target, residual_tolerance};
+
+/// The registers of one run. Register numbers were checked when the function was lowered.
+pub(super) struct Registers<S>(Vec<S>);
+
+impl<S: Float> Registers<S> {
+    /// Those of a function at its start, inputs in place.
+    pub(super) fn of(routine: &Routine<S>, inputs: impl IntoIterator<Item = S>) -> Self {
+        let mut registers = routine.start.clone();
+        let slots = registers.iter_mut().take(routine.inputs);
+        slots.zip(inputs).for_each(|(slot, input)| *slot = input);
+        Registers(registers)
+    }
+
+    pub(super) fn get(&self, register: Register) -> S {
+        self.0[register]
+    }
+
+    fn set(&mut self, register: Register, value: S) {
+        self.0[register] = value;
+    }
+
+    fn all<const N: usize>(&self, registers: [Register; N]) -> [S; N] {
+        registers.map(|register| self.get(register))
+    }
+
+    /// One instruction that neither solves nor accepts.
+    fn compute(&mut self, instruction: &Instruction) {
+        match *instruction {
+            Instruction::Copy { to, from } => self.set(to, self.get(from)),
+            Instruction::Negate { to, from } => self.set(to, -self.get(from)),
+            Instruction::Add { to, left, right } => self.set(to, self.get(left) + self.get(right)),
+            Instruction::Subtract { to, left, right } => self.set(to, self.get(left) - self.get(right)),
+            Instruction::Multiply { to, left, right } => self.set(to, self.get(left) * self.get(right)),
+            Instruction::Divide { to, left, right } => self.set(to, self.get(left) / self.get(right)),
+            Instruction::SinCos { sin, cos, angle } => {
+                let (s, c) = self.get(angle).sin_cos();
+                self.set(sin, s);
+                self.set(cos, c);
+            }
+            Instruction::Named(_) | Instruction::Solve(_) | Instruction::Accept(_) => {}
+        }
+    }
+}
+
+/// Runs a forward function.
+pub(super) fn forward<S: Float>(
+    routine: &Routine<S>,
+    names: &Function,
+    registers: &mut Registers<S>,
+    mut observer: impl FnMut(Event<'_, S>),
+) {
+    for instruction in &routine.code {
+        match instruction {
+            Instruction::Named(register) => named(names, *register, registers, &mut observer),
+            other => registers.compute(other),
+        }
+    }
+}
+
+/// Tells an observer the value of a step.
+fn named<S: Float>(
+    names: &Function,
+    register: Register,
+    registers: &Registers<S>,
+    observer: &mut impl FnMut(Event<'_, S>),
+) {
+    if let Some(name) = names.values.get(register) {
+        observer(Event::Value { name, value: registers.get(register) });
+    }
+}
+
+/// 12 outputs of a function, from the given one on, as a frame.
+pub(super) fn frame<S: Float>(outputs: &[Register], registers: &Registers<S>) -> Frame<S> {
+    let mut rows = [S::ZERO; 12];
+    rows.iter_mut().zip(outputs).for_each(|(entry, output)| *entry = registers.get(*output));
+    Frame::from_rows(rows)
+}
+
+/// What an inverse run needs besides its own function.
+pub(super) struct Inverse<'r, 'w, S, F> {
+    pub(super) routine: &'r Routine<S>,
+    pub(super) names: &'r Function,
+    /// Forward kinematics, which judges every candidate.
+    pub(super) fk: &'r Routine<S>,
+    pub(super) target: &'r Target<S>,
+    pub(super) dof: usize,
+    /// m
+    pub(super) reach: S,
+    /// The problem's `where`.
+    pub(super) filters: &'r [Filter<S>],
+    pub(super) observer: F,
+    pub(super) search: Search<'w, MAX_JOINTS, S>,
+}
+
+impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
+    /// Runs the function: every candidate ends in the search.
+    pub(super) fn run(&mut self, registers: &mut Registers<S>) {
+        let routine = self.routine;
+        self.block(&routine.code, registers);
+    }
+
+    fn block(&mut self, code: &[Instruction], registers: &mut Registers<S>) {
+        for instruction in code {
+            match instruction {
+                Instruction::Named(register) => {
+                    named(self.names, *register, registers, &mut self.observer);
+                }
+                Instruction::Solve(solve) => self.solve(solve, registers),
+                Instruction::Accept(q) => self.accept(q, registers),
+                other => registers.compute(other),
+            }
+        }
+    }
+
+    fn solve(&mut self, solve: &Solve, registers: &mut Registers<S>) {
+        let (Some(step), Some(stage)) =
+            (self.routine.stages.get(solve.stage), self.names.stages.get(solve.stage))
+        else {
+            return;
+        };
+        let roots = self.roots(*step, solve.equation, registers);
+        let count = roots.into_iter().count();
+        (self.observer)(Event::Stage { index: solve.stage, stage, roots: count });
+        for (number, root) in roots.into_iter().enumerate() {
+            registers.set(solve.root, root);
+            let name = self.names.values.get(solve.root).map_or("", String::as_str);
+            (self.observer)(Event::Root { stage: solve.stage, number, name, value: root });
+            self.block(&solve.body, registers);
+        }
+        (self.observer)(Event::Done { stage: solve.stage });
+    }
+
+    fn roots(&mut self, step: dh_core::Step, equation: Kernel, registers: &Registers<S>) -> Roots<S> {
+        match equation {
+            Kernel::Trig(coefficients) => {
+                let [a, b, c] = registers.all(coefficients);
+                self.search.trig(step, a, b, c)
+            }
+            Kernel::TrigPair(first, second) => {
+                self.search.trig_pair(step, registers.all(first), registers.all(second))
+            }
+            Kernel::Linear(coefficients) => {
+                let [a, c] = registers.all(coefficients);
+                self.search.linear(step, a, c)
+            }
+            Kernel::Quadratic(coefficients) => {
+                let [a, b, c] = registers.all(coefficients);
+                self.search.quadratic(step, a, b, c)
+            }
+        }
+    }
+
+    fn accept(&mut self, candidate: &[Register], registers: &Registers<S>) {
+        let mut q = [S::ZERO; MAX_JOINTS];
+        q.iter_mut().zip(candidate).for_each(|(q, register)| *q = registers.get(*register));
+        let joints = q.get(..self.dof).unwrap_or_default();
+        let mut forward_registers = Registers::of(self.fk, joints.iter().copied());
+        self.fk.code.iter().for_each(|instruction| forward_registers.compute(instruction));
+        let tool = frame(&self.fk.outputs, &forward_registers);
+        let (position_error, rotation_error) = self.target.errors(&tool);
+        let broken =
+            self.filters.iter().enumerate().find_map(|(index, filter)| {
+                filter.broken_by(joints).map(|excess| Rule::Where { index, excess })
+            });
+        // Only what is a solution can be refused for its joints; a false root is the search's to judge.
+        let tolerance = residual_tolerance::<S>();
+        let hits = position_error <= tolerance * self.reach && rotation_error <= tolerance;
+        let refusal = broken.filter(|_| hits);
+        let kept = hits && refusal.is_none();
+        (self.observer)(Event::Candidate { q: joints, position_error, rotation_error, kept });
+        match refusal {
+            Some(rule) => self.search.refuse(rule),
+            None => self.search.accept(q, position_error, rotation_error),
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! Inverse problems in closed form, derived from the table.
+//!
+//! The constraints are put into the chain first (`unknowns`), then the prescribed rows are written in every frame
+//! (`closure`) as trigonometric polynomials in normal form (`polynomial`, `atoms`), read as equations in one unknown
+//! (`reading`), and solved in the order with the fewest branches (`search`). What comes out are steps whose
+//! coefficients are expressions in the target and in earlier roots (`writing`).
+
+mod atoms;
+mod closure;
+mod polynomial;
+mod reading;
+mod samples;
+mod search;
+mod unknowns;
+mod writing;
+
+use super::expression::{Arena, Expr};
+use crate::model::{JointKind, Model, Problem};
+
+/// The solution of a problem: steps, and the joint variables in terms of their roots.
+#[derive(Debug, Clone)]
+pub struct Derivation {
+    /// All expressions. Variable k of its angles is the root of stage k.
+    pub arena: Arena,
+    /// The numbers of the target.
+    pub inputs: Vec<Expr>,
+    /// In order.
+    pub stages: Vec<Stage>,
+    /// Every joint variable q.
+    pub joints: Vec<Linear>,
+}
+
+/// Sum of coefficient * root, and a constant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Linear {
+    /// (stage, coefficient).
+    pub terms: Vec<(usize, f64)>,
+    /// rad or m
+    pub constant: f64,
+}
+
+/// One step.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    /// `theta23`, `d3`.
+    pub unknown: String,
+    /// Rows whose theta (or d) is part of the unknown.
+    pub rows: Vec<usize>,
+    /// Whether it is an angle.
+    pub kind: JointKind,
+    /// The leaf that stands for a slide's root.
+    pub slide: Option<Expr>,
+    /// The equation.
+    pub equation: StageEquation,
+    /// Power of the metre in the coefficients.
+    pub dimension: u8,
+    /// The equation as text.
+    pub text: String,
+    /// Abbreviations that it uses: (name, definition).
+    pub definitions: Vec<(String, String)>,
+    /// Which rows it comes from.
+    pub origin: String,
+}
+
+/// Equations in one unknown x, with known coefficients.
+#[derive(Debug, Clone, Copy)]
+pub enum StageEquation {
+    /// a cos x + b sin x = c
+    Trig([Expr; 3]),
+    /// Two of those.
+    TrigPair([Expr; 3], [Expr; 3]),
+    /// a x = c
+    Linear([Expr; 2]),
+    /// a x^2 + b x + c = 0
+    Quadratic([Expr; 3]),
+}
+
+impl StageEquation {
+    /// In the order in which they are written above.
+    pub fn coefficients(&self) -> Vec<Expr> {
+        match self {
+            Self::Trig(list) | Self::Quadratic(list) => list.to_vec(),
+            Self::TrigPair(first, second) => [*first, *second].concat(),
+            Self::Linear(list) => list.to_vec(),
+        }
+    }
+}
+
+/// Why a problem has no solution of this kind.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Refusal {
+    /// No order of steps with one unknown each was found.
+    NoClosedForm,
+    /// The target, or joints left to the caller, are not handled by this method.
+    NotByThisMethod,
+    /// A row follows others in a way that isn't a whole number or a simple fraction, or mixes angles and lengths.
+    Coupling,
+}
+
+impl Refusal {
+    /// In words, for a diagnostic.
+    pub fn text(&self) -> &'static str {
+        match self {
+            Self::NoClosedForm => "no order of steps with one unknown each solves it in closed form",
+            Self::NotByThisMethod => "this target isn't solved in closed form",
+            Self::Coupling => "a joint follows another by a factor that is no simple fraction",
+        }
+    }
+}
+
+/// Derives the solution of a problem.
+///
+/// # Errors
+/// Says why there is none in closed form.
+pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
+    if !problem.free.is_empty() {
+        return Err(Refusal::NotByThisMethod);
+    }
+    let unknowns = unknowns::eliminate(model, &problem.constraints).map_err(|_| Refusal::Coupling)?;
+    let mut arena = Arena::default();
+    let closure = closure::build(&mut arena, model, problem.target, &unknowns).map_err(|trouble| match trouble {
+        closure::Trouble::Overflow => Refusal::NoClosedForm,
+        closure::Trouble::Target => Refusal::NotByThisMethod,
+    })?;
+    let samples = samples::draw(model, problem.target, &unknowns, &closure.atoms);
+    let open = closure.open(&unknowns);
+    let start = search::State {
+        atoms: closure.atoms,
+        equations: closure.equations,
+        open,
+        samples,
+        found: Vec::new(),
+    };
+    match search::run(&arena, start) {
+        Ok(Some(end)) => Ok(writing::write(arena, problem, &unknowns, &end)),
+        _ => Err(Refusal::NoClosedForm),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,241 @@
+//! Trigonometric polynomials in normal form.
+//!
+//! Every product of sines and cosines is a sum of sines and cosines of sums of angles. Written so, equal expressions
+//! are equal, s^2 + c^2 is 1 without a rule for it, and parallel axes merge by themselves. A term is
+//! coefficient * monomial of atoms * {1, cos, sin}(frequency . angles).
+
+use crate::symbolic::number::Number;
+use std::collections::BTreeMap;
+
+/// Something without structure that polynomials are made of: a number of the table, of the target, an unknown slide,
+/// or a known quantity with a definition of its own. Index into [`super::atoms::Atoms`].
+pub(super) type Atom = u16;
+
+/// What a coefficient belongs to.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Key {
+    /// Multiples of the angles; the first nonzero one is positive.
+    pub frequency: Vec<i16>,
+    /// Whether it is the sine; never for frequency 0.
+    pub sine: bool,
+    /// (atom, power), by atom.
+    pub monomial: Vec<(Atom, u8)>,
+}
+
+/// A trigonometric polynomial in a fixed number of angles.
+#[derive(Debug, Clone, PartialEq, Eq, Default, PartialOrd, Ord)]
+pub(super) struct Polynomial {
+    terms: BTreeMap<Key, Number>,
+}
+
+/// The integers of an exact coefficient overflowed; no table that is measured in sensible units does that.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Overflow;
+
+type Outcome<T> = Result<T, Overflow>;
+
+impl Polynomial {
+    /// 0
+    pub(super) fn zero() -> Self {
+        Self::default()
+    }
+
+    /// A constant.
+    pub(super) fn number(angles: usize, number: Number) -> Self {
+        Self::term(vec![0; angles], false, Vec::new(), number)
+    }
+
+    /// An atom.
+    pub(super) fn atom(angles: usize, atom: Atom) -> Self {
+        Self::term(vec![0; angles], false, vec![(atom, 1)], Number::ONE)
+    }
+
+    /// cos(frequency . angles) or the sine.
+    pub(super) fn trig(frequency: &[i16], sine: bool) -> Self {
+        Self::term(frequency.to_vec(), sine, Vec::new(), Number::ONE)
+    }
+
+    /// One term, of any frequency.
+    pub(super) fn term(
+        mut frequency: Vec<i16>,
+        sine: bool,
+        monomial: Vec<(Atom, u8)>,
+        mut coefficient: Number,
+    ) -> Self {
+        match frequency.iter().find(|multiple| **multiple != 0) {
+            None if sine => return Self::zero(),
+            Some(first) if *first < 0 => {
+                frequency.iter_mut().for_each(|multiple| *multiple = -*multiple);
+                if sine {
+                    coefficient = coefficient.neg();
+                }
+            }
+            _ => {}
+        }
+        let mut terms = BTreeMap::new();
+        if !coefficient.is_zero() {
+            terms.insert(Key { frequency, sine, monomial }, coefficient);
+        }
+        Self { terms }
+    }
+
+    /// Its terms.
+    pub(super) fn terms(&self) -> impl Iterator<Item = (&Key, Number)> {
+        self.terms.iter().map(|(key, number)| (key, *number))
+    }
+
+    /// How many terms there are.
+    pub(super) fn len(&self) -> usize {
+        self.terms.len()
+    }
+
+    /// Whether it is 0.
+    pub(super) fn is_zero(&self) -> bool {
+        self.terms.is_empty()
+    }
+
+    /// self + factor * other
+    pub(super) fn add_scaled(&self, other: &Self, factor: Number) -> Outcome<Self> {
+        let mut sum = self.clone();
+        for (key, number) in &other.terms {
+            sum.put(key.clone(), number.mul(factor).ok_or(Overflow)?)?;
+        }
+        Ok(sum)
+    }
+
+    /// self + other
+    pub(super) fn add(&self, other: &Self) -> Outcome<Self> {
+        self.add_scaled(other, Number::ONE)
+    }
+
+    /// self - other
+    pub(super) fn sub(&self, other: &Self) -> Outcome<Self> {
+        self.add_scaled(other, Number::integer(-1))
+    }
+
+    /// factor * self
+    pub(super) fn scaled(&self, factor: Number) -> Outcome<Self> {
+        Self::zero().add_scaled(self, factor)
+    }
+
+    /// self * other, by the product-to-sum identities.
+    pub(super) fn mul(&self, other: &Self) -> Outcome<Self> {
+        let mut product = Self::zero();
+        for (a, m) in &self.terms {
+            for (b, n) in &other.terms {
+                let coefficient = m.mul(*n).ok_or(Overflow)?;
+                let monomial = multiply(&a.monomial, &b.monomial);
+                product.put_product(a, b, monomial, coefficient)?;
+            }
+        }
+        Ok(product)
+    }
+
+    fn put_product(
+        &mut self,
+        a: &Key,
+        b: &Key,
+        monomial: Vec<(Atom, u8)>,
+        coefficient: Number,
+    ) -> Outcome<()> {
+        let constant = |key: &Key| key.frequency.iter().all(|multiple| *multiple == 0);
+        if constant(a) || constant(b) {
+            let (frequency, sine) =
+                if constant(a) { (&b.frequency, b.sine) } else { (&a.frequency, a.sine) };
+            return self.put_term(frequency.clone(), sine, monomial, coefficient);
+        }
+        let combine = |sign: i16| a.frequency.iter().zip(&b.frequency).map(|(x, y)| x + sign * y).collect();
+        let half = coefficient.mul(Number::HALF).ok_or(Overflow)?;
+        // cos a cos b = (cos(a-b) + cos(a+b)) / 2, sin a sin b = (cos(a-b) - cos(a+b)) / 2,
+        // sin a cos b = (sin(a+b) + sin(a-b)) / 2, cos a sin b = (sin(a+b) - sin(a-b)) / 2.
+        let sine = a.sine != b.sine;
+        let (plus, minus) = match (a.sine, b.sine) {
+            (true, true) => (half.neg(), half),
+            (false, true) => (half, half.neg()),
+            _ => (half, half),
+        };
+        self.put_term(combine(1), sine, monomial.clone(), plus)?;
+        self.put_term(combine(-1), sine, monomial, minus)
+    }
+
+    /// Adds a term.
+    pub(super) fn put_term(
+        &mut self,
+        frequency: Vec<i16>,
+        sine: bool,
+        monomial: Vec<(Atom, u8)>,
+        coefficient: Number,
+    ) -> Outcome<()> {
+        let term = Self::term(frequency, sine, monomial, coefficient);
+        term.terms.into_iter().try_for_each(|(key, number)| self.put(key, number))
+    }
+
+    fn put(&mut self, key: Key, number: Number) -> Outcome<()> {
+        let entry = self.terms.entry(key.clone()).or_insert(Number::ZERO);
+        *entry = entry.add(number).ok_or(Overflow)?;
+        if entry.is_zero() {
+            self.terms.remove(&key);
+        }
+        Ok(())
+    }
+
+    /// Divided by the coefficient of its first term, so that multiples of one polynomial are equal.
+    pub(super) fn monic(&self) -> Outcome<Self> {
+        match self.terms.values().next().and_then(|first| first.recip()) {
+            Some(inverse) => self.scaled(inverse),
+            None => Ok(self.clone()),
+        }
+    }
+
+    /// Replaces an angle by others: `angles[at]` = sum of coefficients * new angles, where the new angle at `at` is
+    /// the one that takes its place.
+    pub(super) fn substitute(&self, at: usize, coefficients: &[i16]) -> Outcome<Self> {
+        let mut out = Self::zero();
+        for (key, number) in &self.terms {
+            let mut frequency = key.frequency.clone();
+            let multiple = frequency.get(at).copied().unwrap_or(0);
+            if let Some(entry) = frequency.get_mut(at) {
+                *entry = 0;
+            }
+            for (entry, coefficient) in frequency.iter_mut().zip(coefficients) {
+                *entry += multiple * coefficient;
+            }
+            out.put_term(frequency, key.sine, key.monomial.clone(), *number)?;
+        }
+        Ok(out)
+    }
+}
+
+/// Product of two monomials.
+pub(super) fn multiply(a: &[(Atom, u8)], b: &[(Atom, u8)]) -> Vec<(Atom, u8)> {
+    let mut product = a.to_vec();
+    for &(atom, power) in b {
+        match product.binary_search_by_key(&atom, |factor| factor.0) {
+            Ok(at) => {
+                if let Some(factor) = product.get_mut(at) {
+                    factor.1 += power;
+                }
+            }
+            Err(at) => product.insert(at, (atom, power)),
+        }
+    }
+    product
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Number, Polynomial};
+
+    #[test]
+    fn products_of_sines_and_cosines_are_sums() {
+        let (s1, c1) = (Polynomial::trig(&[1, 0], true), Polynomial::trig(&[1, 0], false));
+        let (s2, c2) = (Polynomial::trig(&[0, 1], true), Polynomial::trig(&[0, 1], false));
+        let mul = |a: &Polynomial, b: &Polynomial| a.mul(b).unwrap();
+        let c12 = mul(&c1, &c2).sub(&mul(&s1, &s2)).unwrap();
+        assert_eq!(c12, Polynomial::trig(&[1, 1], false));
+        let s1m2 = mul(&s1, &c2).sub(&mul(&c1, &s2)).unwrap();
+        assert_eq!(s1m2, Polynomial::trig(&[1, -1], true));
+        let one = mul(&s1, &s1).add(&mul(&c1, &c1)).unwrap();
+        assert_eq!(one, Polynomial::number(2, Number::ONE));
+    }
+}

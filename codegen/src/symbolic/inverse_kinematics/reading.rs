@@ -1,0 +1,193 @@
+//! An equation as its unknowns see it: known coefficients of unknown sines, cosines and slides.
+
+use super::atoms::{Atoms, Source};
+use super::polynomial::{Atom, Overflow, Polynomial};
+use crate::symbolic::number::Number;
+use std::collections::BTreeMap;
+
+/// What of the vocabulary is still unknown.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Open {
+    /// Indices of frequencies.
+    pub angles: Vec<usize>,
+    /// Atoms.
+    pub slides: Vec<Atom>,
+}
+
+impl Open {
+    /// Whether everything is known.
+    pub(super) fn is_empty(&self) -> bool {
+        self.angles.is_empty() && self.slides.is_empty()
+    }
+}
+
+/// An unknown factor: frequency in the unknown angles, and powers of unknown slides.
+type Unknown = (Vec<i16>, Vec<(Atom, u8)>);
+
+/// Coefficients of the cosine and of the sine of each unknown factor; of frequency 0, the coefficient itself.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Reading {
+    pub parts: BTreeMap<Unknown, [Polynomial; 2]>,
+}
+
+/// An equation that one unknown solves.
+#[derive(Debug, Clone)]
+pub(super) enum Simple {
+    /// a cos + b sin = c of the angle with this frequency.
+    Trig { frequency: Vec<i16>, a: Polynomial, b: Polynomial, c: Polynomial },
+    /// a x^2 + b x + c = 0 of this slide.
+    Slide { slide: Atom, a: Polynomial, b: Polynomial, c: Polynomial },
+}
+
+impl Reading {
+    /// Sorts the terms of an equation.
+    pub(super) fn new(equation: &Polynomial, open: &Open) -> Result<Self, Overflow> {
+        let mut reading = Self::default();
+        for (key, number) in equation.terms() {
+            let is_open = |index: usize| open.angles.contains(&index);
+            let split = |unknown: bool| -> Vec<i16> {
+                let pick = |(index, k): (usize, &i16)| if is_open(index) == unknown { *k } else { 0 };
+                key.frequency.iter().enumerate().map(pick).collect()
+            };
+            let (mut unknown, mut known, mut sign) = (split(true), split(false), Number::ONE);
+            if unknown.iter().find(|k| **k != 0).is_some_and(|k| *k < 0) {
+                unknown.iter_mut().chain(&mut known).for_each(|k| *k = -*k);
+                if key.sine {
+                    sign = Number::integer(-1);
+                }
+            }
+            let coefficient = number.mul(sign).ok_or(Overflow)?;
+            let (slides, rest): (Vec<_>, Vec<_>) =
+                key.monomial.iter().copied().partition(|(atom, _)| open.slides.contains(atom));
+            let constant = unknown.iter().all(|k| *k == 0);
+            let [cos, sin] = reading.parts.entry((unknown, slides)).or_default();
+            if constant {
+                cos.put_term(known, key.sine, rest, coefficient)?;
+            } else if key.sine {
+                // sin(K + U) = cos K sin U + sin K cos U
+                sin.put_term(known.clone(), false, rest.clone(), coefficient)?;
+                cos.put_term(known, true, rest, coefficient)?;
+            } else {
+                // cos(K + U) = cos K cos U - sin K sin U
+                cos.put_term(known.clone(), false, rest.clone(), coefficient)?;
+                sin.put_term(known, true, rest, coefficient.neg())?;
+            }
+        }
+        reading.parts.retain(|_, [cos, sin]| !(cos.is_zero() && sin.is_zero()));
+        Ok(reading)
+    }
+
+    /// The known part.
+    pub(super) fn constant(&self) -> Polynomial {
+        let known = |(frequency, slides): &Unknown| slides.is_empty() && frequency.iter().all(|k| *k == 0);
+        let part = self.parts.iter().find(|(unknown, _)| known(unknown));
+        part.map_or_else(Polynomial::zero, |(_, [cos, _])| cos.clone())
+    }
+
+    /// Whether nothing in it is unknown.
+    pub(super) fn is_known(&self) -> bool {
+        self.parts.keys().all(|(frequency, slides)| slides.is_empty() && frequency.iter().all(|k| *k == 0))
+    }
+
+    /// The polynomial again.
+    pub(super) fn polynomial(&self) -> Result<Polynomial, Overflow> {
+        let mut sum = Polynomial::zero();
+        for ((frequency, slides), [cos, sin]) in &self.parts {
+            for (coefficient, sine) in [(cos, false), (sin, true)] {
+                let factor = Polynomial::term(frequency.clone(), sine, slides.clone(), Number::ONE);
+                sum = sum.add(&coefficient.mul(&factor)?)?;
+            }
+        }
+        Ok(sum)
+    }
+
+    /// The equation in one unknown that this is, if it is one.
+    pub(super) fn simple(&self) -> Result<Option<Simple>, Overflow> {
+        let minus = Number::integer(-1);
+        let constant = self.constant();
+        let unknown: Vec<_> = self
+            .parts
+            .iter()
+            .filter(|((frequency, slides), _)| !slides.is_empty() || frequency.iter().any(|k| *k != 0))
+            .collect();
+        Ok(match unknown.as_slice() {
+            [((frequency, slides), [a, b])] if slides.is_empty() => {
+                let trig = Simple::Trig {
+                    frequency: frequency.clone(),
+                    a: a.clone(),
+                    b: b.clone(),
+                    c: constant.scaled(minus)?,
+                };
+                frequency.iter().any(|k| k.abs() == 1).then_some(trig)
+            }
+            parts => self.slide(parts, constant),
+        })
+    }
+
+    fn slide(
+        &self,
+        parts: &[(&Unknown, &[Polynomial; 2])],
+        constant: Polynomial,
+    ) -> Option<Simple> {
+        let mut powers = [constant, Polynomial::zero(), Polynomial::zero()];
+        let mut slide = None;
+        for ((frequency, slides), [coefficient, _]) in parts {
+            let [(atom, power)] = slides.as_slice() else { return None };
+            if frequency.iter().any(|k| *k != 0) || slide.is_some_and(|known| known != *atom) {
+                return None;
+            }
+            slide = Some(*atom);
+            *powers.get_mut(usize::from(*power))? = coefficient.clone();
+        }
+        let [c, b, a] = powers;
+        Some(Simple::Slide { slide: slide?, a, b, c })
+    }
+}
+
+/// Replaces the known part, where it is more than a number of the table, by an atom, so that squares stay short.
+/// Coefficients of unknown sines and cosines stay as they are: sums of their squares must still collapse.
+pub(super) fn abbreviate(reading: &mut Reading, atoms: &mut Atoms, name: &str) -> Result<(), Overflow> {
+    for ((frequency, slides), [constant, _]) in &mut reading.parts {
+        if slides.is_empty() && frequency.iter().all(|k| *k == 0) {
+            *constant = short(constant, atoms, name)?;
+        }
+    }
+    Ok(())
+}
+
+fn short(polynomial: &Polynomial, atoms: &mut Atoms, name: &str) -> Result<Polynomial, Overflow> {
+    let still = |key: &super::polynomial::Key| key.frequency.iter().all(|k| *k == 0);
+    let of_table = |key: &super::polynomial::Key| {
+        key.monomial.iter().all(|(atom, _)| {
+            matches!(atoms.list.get(usize::from(*atom)).map(|data| &data.source), Some(Source::Table(_)))
+        })
+    };
+    let plain = polynomial.terms().all(|(key, _)| still(key) && of_table(key));
+    let lone = polynomial.len() == 1
+        && polynomial.terms().all(|(key, _)| still(key) && matches!(key.monomial.as_slice(), [(_, 1)] | []));
+    if plain || lone {
+        return Ok(polynomial.clone());
+    }
+    let minus = Number::integer(-1);
+    let negated = polynomial.scaled(minus)?;
+    for (index, atom) in atoms.list.iter().enumerate() {
+        if let Source::Abbreviation(definition) = &atom.source {
+            let known = Polynomial::atom(atoms.angles.len(), index as Atom);
+            if definition == polynomial {
+                return Ok(known);
+            }
+            if *definition == negated {
+                return known.scaled(minus);
+            }
+        }
+    }
+    let dimension = polynomial.terms().map(|(key, _)| atoms.dimension(&key.monomial)).max().unwrap_or(0);
+    let taken = |name: &String| atoms.list.iter().any(|atom| atom.name == *name);
+    let mut unique = name.to_string();
+    let mut count = 1;
+    while taken(&unique) {
+        count += 1;
+        unique = format!("{name}_{count}");
+    }
+    Ok(atoms.polynomial(&unique, dimension, Source::Abbreviation(polynomial.clone())))
+}

@@ -1,0 +1,353 @@
+//! The order in which the unknowns are found.
+//!
+//! At every state the equations are read with what is known; those with one unknown are candidates, among them sums
+//! of squares of rows of one vector, which lose the angles that only turn that vector. A step with one root is taken
+//! at once, since it costs nothing later; steps with two are tried in turn, and the order with the fewest branches
+//! and the shortest coefficients is kept.
+
+use super::atoms::{Atoms, Source};
+use super::closure::Equation;
+use super::polynomial::{Atom, Overflow, Polynomial};
+use super::reading::{self, Open, Reading, Simple};
+use super::samples::Sample;
+use crate::symbolic::expression::Arena;
+
+/// A step of the solution.
+#[derive(Debug, Clone)]
+pub(super) struct Found {
+    pub unknown: Unknown,
+    pub equation: Solved,
+    pub origin: String,
+    /// Whether it fails only where the arm is singular: not so for two equations whose determinant can vanish alone.
+    sound: bool,
+}
+
+/// What a step finds.
+#[derive(Debug, Clone)]
+pub(super) enum Unknown {
+    /// The angle frequency . angles; from then on it stands in the place `at`.
+    Angle { frequency: Vec<i16>, at: usize },
+    /// A slide.
+    Slide(Atom),
+}
+
+/// How it is found.
+#[derive(Debug, Clone)]
+pub(super) enum Solved {
+    /// a cos + b sin = c
+    Trig([Polynomial; 3]),
+    /// Two of those.
+    Pair([Polynomial; 3], [Polynomial; 3]),
+    /// b x + c = 0
+    Linear([Polynomial; 2]),
+    /// a x^2 + b x + c = 0
+    Quadratic([Polynomial; 3]),
+}
+
+impl Solved {
+    fn roots(&self) -> usize {
+        match self {
+            Self::Pair(..) | Self::Linear(_) => 1,
+            Self::Trig(_) | Self::Quadratic(_) => 2,
+        }
+    }
+
+    /// The coefficients.
+    pub(super) fn coefficients(&self) -> Vec<&Polynomial> {
+        match self {
+            Self::Trig(list) | Self::Quadratic(list) => list.iter().collect(),
+            Self::Pair(first, second) => first.iter().chain(second).collect(),
+            Self::Linear(list) => list.iter().collect(),
+        }
+    }
+
+    fn size(&self) -> usize {
+        self.coefficients().iter().map(|polynomial| polynomial.len()).sum()
+    }
+}
+
+/// Where a search stands.
+#[derive(Debug, Clone)]
+pub(super) struct State {
+    pub atoms: Atoms,
+    pub equations: Vec<Equation>,
+    pub open: Open,
+    pub samples: Vec<Sample>,
+    pub found: Vec<Found>,
+}
+
+impl Found {
+    /// Whether taking it costs nothing: one root, of a joint of its own.
+    fn is_free(&self) -> bool {
+        let own = match &self.unknown {
+            Unknown::Slide(_) => true,
+            Unknown::Angle { frequency, .. } => frequency.iter().filter(|k| **k != 0).count() == 1,
+        };
+        self.sound && own && self.equation.roots() == 1
+    }
+}
+
+/// How many states a search looks at before it keeps the best so far.
+const BUDGET: usize = 60;
+/// How many steps with two roots are tried at one state.
+const WIDTH: usize = 3;
+/// Rows with more unknown terms than this are not squared.
+const LONGEST_SQUARED: usize = 8;
+/// A value that is smaller at all samples is zero (m, m^2 or a ratio; samples are of the order of 1).
+const ZERO: f64 = 1e-9;
+
+/// The best order, as the state at its end.
+pub(super) fn run(arena: &Arena, mut start: State) -> Result<Option<State>, Overflow> {
+    settle(&mut start)?;
+    let mut search = Search { arena, budget: BUDGET, best: None };
+    search.visit(start)?;
+    Ok(search.best.map(|(_, state)| state))
+}
+
+struct Search<'a> {
+    arena: &'a Arena,
+    budget: usize,
+    best: Option<((usize, usize, usize), State)>,
+}
+
+impl Search<'_> {
+    fn visit(&mut self, mut state: State) -> Result<(), Overflow> {
+        if state.open.is_empty() {
+            let cost = cost(&state.found);
+            if self.best.as_ref().is_none_or(|(least, _)| cost < *least) {
+                self.best = Some((cost, state));
+            }
+            return Ok(());
+        }
+        if self.budget == 0 {
+            return Ok(());
+        }
+        self.budget -= 1;
+        let mut candidates = candidates(self.arena, &mut state)?;
+        candidates.sort_by_key(|found| (!found.sound, found.equation.roots(), found.equation.size()));
+        let width = if candidates.first().is_some_and(Found::is_free) { 1 } else { WIDTH };
+        for found in candidates.into_iter().take(width) {
+            let mut next = state.clone();
+            take(&mut next, found)?;
+            self.visit(next)?;
+        }
+        Ok(())
+    }
+}
+
+/// Unsound steps, then branches, then the length of all coefficients.
+fn cost(found: &[Found]) -> (usize, usize, usize) {
+    let unsound = found.iter().filter(|step| !step.sound).count();
+    let branches = found.iter().map(|step| step.equation.roots()).product();
+    (unsound, branches, found.iter().map(|step| step.equation.size()).sum())
+}
+
+/// Makes a step: its unknown becomes known.
+fn take(state: &mut State, found: Found) -> Result<(), Overflow> {
+    match &found.unknown {
+        Unknown::Slide(atom) => state.open.slides.retain(|slide| slide != atom),
+        Unknown::Angle { frequency, at } => {
+            // root = frequency . angles, so the angle at `at` = sign (root - the others).
+            let sign = frequency.get(*at).copied().unwrap_or(1);
+            let mut coefficients: Vec<i16> = frequency.iter().map(|k| -sign * k).collect();
+            if let Some(entry) = coefficients.get_mut(*at) {
+                *entry = sign;
+            }
+            for equation in &mut state.equations {
+                equation.polynomial = equation.polynomial.substitute(*at, &coefficients)?;
+            }
+            for sample in &mut state.samples {
+                let root = frequency.iter().zip(&sample.angles).map(|(k, x)| f64::from(*k) * x).sum();
+                if let Some(entry) = sample.angles.get_mut(*at) {
+                    *entry = root;
+                }
+            }
+            state.open.angles.retain(|angle| angle != at);
+        }
+    }
+    state.found.push(found);
+    settle(state)
+}
+
+/// Reads all equations anew, abbreviates what is known, and drops what says nothing.
+fn settle(state: &mut State) -> Result<(), Overflow> {
+    let mut kept: Vec<Equation> = Vec::new();
+    let mut seen = std::collections::BTreeSet::new();
+    for equation in std::mem::take(&mut state.equations) {
+        let mut reading = Reading::new(&equation.polynomial, &state.open)?;
+        if reading.is_known() {
+            continue;
+        }
+        reading::abbreviate(&mut reading, &mut state.atoms, &equation.name)?;
+        let polynomial = reading.polynomial()?;
+        if seen.insert((equation.group, polynomial.monic()?)) {
+            kept.push(Equation { polynomial, ..equation });
+        }
+    }
+    state.equations = kept;
+    Ok(())
+}
+
+/// An equation in one unknown, and where it comes from.
+struct Lone {
+    simple: Simple,
+    group: usize,
+    origin: String,
+}
+
+fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>, Overflow> {
+    let mut lone: Vec<Lone> = Vec::new();
+    let squares = squares(state)?;
+    for equation in state.equations.iter().chain(&squares) {
+        if let Some(simple) = Reading::new(&equation.polynomial, &state.open)?.simple()? {
+            lone.push(Lone { simple, group: equation.group, origin: equation.origin.clone() });
+        }
+    }
+    let mut found = Vec::new();
+    for (index, first) in lone.iter().enumerate() {
+        match &first.simple {
+            Simple::Slide { slide, a, b, c } => {
+                let equation = if !a.is_zero() {
+                    Solved::Quadratic([a.clone(), b.clone(), c.clone()])
+                } else {
+                    Solved::Linear([b.clone(), c.clone()])
+                };
+                let leading = if a.is_zero() { b } else { a };
+                if !vanishes(arena, state, leading) {
+                    let (unknown, origin) = (Unknown::Slide(*slide), first.origin.clone());
+                    let sound = of_table(&state.atoms, leading);
+                    found.push(Found { unknown, equation, origin, sound });
+                }
+            }
+            Simple::Trig { frequency, a, b, c } => {
+                let Some(unknown) = angle(frequency) else { continue };
+                if vanishes(arena, state, a) && vanishes(arena, state, b) {
+                    continue;
+                }
+                let equation = Solved::Trig([a.clone(), b.clone(), c.clone()]);
+                found.push(Found { unknown: unknown.clone(), equation, origin: first.origin.clone(), sound: true });
+                let later = lone.iter().skip(index + 1);
+                for second in later.filter(|second| second.group == first.group) {
+                    found.extend(pair(arena, state, &unknown, first, second)?);
+                }
+            }
+        }
+    }
+    // Rows of different vectors make pairs only where no vector gives two.
+    if !found.iter().any(|found| matches!(found.equation, Solved::Pair(..))) {
+        for (index, first) in lone.iter().enumerate() {
+            for second in lone.iter().skip(index + 1).filter(|second| second.group != first.group) {
+                if let Simple::Trig { frequency, .. } = &first.simple
+                    && let Some(unknown) = angle(frequency)
+                {
+                    found.extend(pair(arena, state, &unknown, first, second)?);
+                }
+            }
+        }
+    }
+    Ok(found)
+}
+
+fn angle(frequency: &[i16]) -> Option<Unknown> {
+    let at = frequency.iter().position(|k| k.abs() == 1)?;
+    Some(Unknown::Angle { frequency: frequency.to_vec(), at })
+}
+
+/// Two equations in the sine and cosine of one angle, if they are independent at all samples.
+fn pair(
+    arena: &Arena,
+    state: &mut State,
+    unknown: &Unknown,
+    first: &Lone,
+    second: &Lone,
+) -> Result<Option<Found>, Overflow> {
+    let (Simple::Trig { frequency, a, b, c }, Simple::Trig { frequency: other, a: a2, b: b2, c: c2 }) =
+        (&first.simple, &second.simple)
+    else {
+        return Ok(None);
+    };
+    if frequency != other {
+        return Ok(None);
+    }
+    let determinant = a.mul(b2)?.sub(&b.mul(a2)?)?;
+    if vanishes(arena, state, &determinant) {
+        return Ok(None);
+    }
+    let equation = Solved::Pair([a.clone(), b.clone(), c.clone()], [a2.clone(), b2.clone(), c2.clone()]);
+    let origin = format!("{} and {}", first.origin, second.origin);
+    let sound = perpendicular([a, b], [a2, b2])? || of_table(&state.atoms, &determinant);
+    Ok(Some(Found { unknown: unknown.clone(), equation, origin, sound }))
+}
+
+/// Whether the rows are those of a turned and scaled pair, (a, b) and (-b, a): then the determinant a^2 + b^2 vanishes
+/// only with both.
+fn perpendicular([a, b]: [&Polynomial; 2], [a2, b2]: [&Polynomial; 2]) -> Result<bool, Overflow> {
+    let (sum, difference) = (a.add(b2)?, a.sub(b2)?);
+    Ok((difference.is_zero() && b.add(a2)?.is_zero()) || (sum.is_zero() && b.sub(a2)?.is_zero()))
+}
+
+/// Whether only numbers of the table are in it.
+fn of_table(atoms: &Atoms, polynomial: &Polynomial) -> bool {
+    polynomial.terms().all(|(key, _)| {
+        let table = |(atom, _): &(Atom, u8)| {
+            matches!(atoms.list.get(usize::from(*atom)).map(|data| &data.source), Some(Source::Table(_)))
+        };
+        key.frequency.iter().all(|k| *k == 0) && key.monomial.iter().all(table)
+    })
+}
+
+/// Whether a known polynomial is zero at some sample: then it may be zero wherever the arm can be.
+fn vanishes(arena: &Arena, state: &mut State, polynomial: &Polynomial) -> bool {
+    let State { samples, atoms, .. } = state;
+    samples.iter_mut().any(|sample| sample.value(arena, atoms, polynomial).abs() < ZERO)
+}
+
+/// Sums of squares of two or three rows of one vector: |unknown part|^2 = |known part|^2.
+fn squares(state: &State) -> Result<Vec<Equation>, Overflow> {
+    let mut found = Vec::new();
+    let mut groups: Vec<usize> = state.equations.iter().map(|equation| equation.group).collect();
+    groups.dedup();
+    for group in groups {
+        let rows: Vec<&Equation> = state.equations.iter().filter(|equation| equation.group == group).collect();
+        for chosen in subsets(rows.len()) {
+            let rows: Vec<&Equation> = chosen.iter().filter_map(|index| rows.get(*index).copied()).collect();
+            if let Some(equation) = square_sum(&rows, &state.open)? {
+                found.push(equation);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Subsets of two or more of up to three rows.
+fn subsets(rows: usize) -> Vec<Vec<usize>> {
+    match rows {
+        2 => vec![vec![0, 1]],
+        3 => vec![vec![0, 1], vec![0, 2], vec![1, 2], vec![0, 1, 2]],
+        _ => Vec::new(),
+    }
+}
+
+fn square_sum(rows: &[&Equation], open: &Open) -> Result<Option<Equation>, Overflow> {
+    let mut sum = Polynomial::zero();
+    let mut origins = Vec::new();
+    for row in rows {
+        let known = Reading::new(&row.polynomial, open)?.constant();
+        let unknown = row.polynomial.sub(&known)?;
+        if unknown.len() > LONGEST_SQUARED || known.len() > LONGEST_SQUARED {
+            return Ok(None);
+        }
+        sum = sum.add(&unknown.mul(&unknown)?)?.sub(&known.mul(&known)?)?;
+        origins.push(row.origin.as_str());
+    }
+    if sum.is_zero() {
+        return Ok(None);
+    }
+    let Some(first) = rows.first() else { return Ok(None) };
+    Ok(Some(Equation {
+        polynomial: sum,
+        group: usize::MAX,
+        origin: format!("squares of {}", origins.join(" and ")),
+        name: first.name.clone(),
+    }))
+}

@@ -1,0 +1,287 @@
+//! What is left to find once the constraints are put into the chain.
+//!
+//! The value of every row (theta or d) becomes a linear form in as few of them as the constraints and couplings leave
+//! free. Angles stay whole multiples of the free ones, so that sums of them are frequencies of a trigonometric
+//! polynomial; a row that follows by a fraction makes the free angle a fraction of its own.
+
+use crate::model::{Angle, JointKind, Linear, Model};
+
+/// A constant of an elimination: an exact part in units of 15 degrees, and a rest in rad or m.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Offset {
+    pub fifteenths: f64,
+    pub rest: f64,
+}
+
+impl Offset {
+    fn new(angle: Angle) -> Self {
+        match angle.fifteenths {
+            Some(fifteenths) => Self { fifteenths: f64::from(fifteenths), rest: 0.0 },
+            None => Self { fifteenths: 0.0, rest: angle.value },
+        }
+    }
+
+    fn add_scaled(self, other: Self, factor: f64) -> Self {
+        Self {
+            fifteenths: self.fifteenths + factor * other.fifteenths,
+            rest: self.rest + factor * other.rest,
+        }
+    }
+
+    /// rad or m
+    pub(super) fn value(self) -> f64 {
+        self.fifteenths * (std::f64::consts::PI / 12.0) + self.rest
+    }
+
+    /// Whole units of 15 degrees, and what is left (rad).
+    pub(super) fn split(self) -> (i32, f64) {
+        let whole = self.fifteenths.round();
+        if (self.fifteenths - whole).abs() < 1e-9 {
+            (whole as i32, self.rest)
+        } else {
+            (0, self.value())
+        }
+    }
+}
+
+/// Value of a row: sum of multiples of the free variables, and a constant.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Form {
+    /// One coefficient a free variable.
+    pub coefficients: Vec<f64>,
+    /// rad or m
+    pub offset: Offset,
+}
+
+/// A free variable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Free {
+    /// The row that it is a multiple of.
+    pub row: usize,
+    /// An angle or a length.
+    pub kind: JointKind,
+}
+
+/// All rows in terms of the free ones.
+#[derive(Debug, Clone)]
+pub(super) struct Unknowns {
+    /// The free variables, base to tip.
+    pub free: Vec<Free>,
+    /// theta (or d) of every row of the table.
+    pub rows: Vec<Form>,
+    /// Every joint variable.
+    pub joints: Vec<Form>,
+}
+
+/// Why the constraints can't be put into the chain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Trouble {
+    /// An angle that follows a length, or a length that follows an angle.
+    MixedKinds,
+    /// A row that follows by a fraction with too large a denominator.
+    Fraction,
+}
+
+/// Largest denominator of a fraction by which a row may follow another.
+const LARGEST_DENOMINATOR: i32 = 12;
+
+/// Eliminates what couplings and constraints determine.
+pub(super) fn eliminate(model: &Model, constraints: &[Linear]) -> Result<Unknowns, Trouble> {
+    let count = model.rows.len();
+    let joints = joints_by_rows(model);
+    // Rows of sum = 0: coefficients of the rows' values, and the constant.
+    let mut system: Vec<Form> = Vec::new();
+    for (index, row) in model.rows.iter().enumerate().filter(|(_, row)| row.variable.is_none()) {
+        let mut form = Form { coefficients: vec![0.0; count], offset: Offset::new(row.theta) };
+        if row.kind == JointKind::Prismatic {
+            form.offset = Offset { fifteenths: 0.0, rest: row.d };
+        }
+        for &(joint, factor) in &row.terms {
+            if let Some(joint) = joints.get(joint) {
+                form = plus(&form, joint, factor);
+            }
+        }
+        if let Some(own) = form.coefficients.get_mut(index) {
+            *own -= 1.0;
+        }
+        system.push(form);
+    }
+    for constraint in constraints {
+        let mut form = Form {
+            coefficients: vec![0.0; count],
+            offset: Offset::default().add_scaled(Offset::new(constraint.constant), -1.0),
+        };
+        for &(row, factor) in &constraint.terms {
+            if let Some(own) = form.coefficients.get_mut(row) {
+                *own += factor;
+            }
+        }
+        system.push(form);
+    }
+    let solved = reduce(system, count);
+    in_free(model, &solved, &joints)
+}
+
+/// q of every joint in terms of the rows' values: the inverse of the coupling matrix.
+fn joints_by_rows(model: &Model) -> Vec<Form> {
+    let count = model.joints.len();
+    // Rows of: sum of coupling * q - value + offset = 0, the unknowns being q first, then the values.
+    let mut rows: Vec<(Vec<f64>, Form)> = Vec::new();
+    for &row in &model.joints {
+        let Some(data) = model.rows.get(row) else { continue };
+        let mut left = vec![0.0; count];
+        for &(joint, factor) in &data.terms {
+            if let Some(entry) = left.get_mut(joint) {
+                *entry += factor;
+            }
+        }
+        let at_zero = match data.kind {
+            JointKind::Revolute => Offset::new(data.theta),
+            JointKind::Prismatic => Offset { fifteenths: 0.0, rest: data.d },
+        };
+        let mut right = Form {
+            coefficients: vec![0.0; model.rows.len()],
+            offset: Offset::default().add_scaled(at_zero, -1.0),
+        };
+        if let Some(entry) = right.coefficients.get_mut(row) {
+            *entry = 1.0;
+        }
+        rows.push((left, right));
+    }
+    for pivot in 0..rows.len() {
+        let size = |row: &(Vec<f64>, Form)| row.0.get(pivot).map_or(0.0, |x| x.abs());
+        let best = (pivot..rows.len()).max_by(|a, b| {
+            let (a, b) = (rows.get(*a).map_or(0.0, size), rows.get(*b).map_or(0.0, size));
+            a.total_cmp(&b)
+        });
+        rows.swap(pivot, best.unwrap_or(pivot));
+        let Some((left, right)) = rows.get(pivot).cloned() else { continue };
+        let own = left.get(pivot).copied().unwrap_or(1.0);
+        let (left, right): (Vec<f64>, Form) =
+            (left.iter().map(|x| x / own).collect(), plus(&zero_like(&right), &right, 1.0 / own));
+        for (index, row) in rows.iter_mut().enumerate() {
+            let factor = if index == pivot { 0.0 } else { -row.0.get(pivot).copied().unwrap_or(0.0) };
+            if index == pivot {
+                *row = (left.clone(), right.clone());
+            } else if factor != 0.0 {
+                row.0.iter_mut().zip(&left).for_each(|(x, y)| *x += factor * y);
+                row.1 = plus(&row.1, &right, factor);
+            }
+        }
+    }
+    rows.into_iter().map(|(_, right)| right).collect()
+}
+
+/// Gauss-Jordan elimination; the result says each determined row's value in terms of the others.
+fn reduce(mut system: Vec<Form>, count: usize) -> Vec<Option<Form>> {
+    let mut solved: Vec<Option<Form>> = vec![None; count];
+    while let Some(form) = system.pop() {
+        let Some(pivot) = pivot(&form) else { continue };
+        let own = form.coefficients.get(pivot).copied().unwrap_or(1.0);
+        let mut value = plus(&zero_like(&form), &form, -1.0 / own);
+        if let Some(entry) = value.coefficients.get_mut(pivot) {
+            *entry = 0.0;
+        }
+        let insert = |other: &mut Form| {
+            let factor = other.coefficients.get(pivot).copied().unwrap_or(0.0);
+            if factor != 0.0 {
+                if let Some(entry) = other.coefficients.get_mut(pivot) {
+                    *entry = 0.0;
+                }
+                *other = plus(other, &value, factor);
+            }
+        };
+        system.iter_mut().for_each(insert);
+        solved.iter_mut().flatten().for_each(insert);
+        if let Some(place) = solved.get_mut(pivot) {
+            *place = Some(value);
+        }
+    }
+    solved
+}
+
+/// The row to express by the others: the last one by which all coefficients are whole multiples, else the one with
+/// the greatest coefficient.
+fn pivot(form: &Form) -> Option<usize> {
+    let present = || form.coefficients.iter().enumerate().filter(|(_, x)| x.abs() > 1e-12);
+    let whole = |own: f64| present().all(|(_, x)| (x / own).fract() == 0.0);
+    let last = present().filter(|(_, own)| whole(**own)).map(|(index, _)| index).next_back();
+    last.or_else(|| present().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map(|(index, _)| index))
+}
+
+fn in_free(model: &Model, solved: &[Option<Form>], joints: &[Form]) -> Result<Unknowns, Trouble> {
+    let free: Vec<Free> = model
+        .rows
+        .iter()
+        .enumerate()
+        .filter(|(row, _)| matches!(solved.get(*row), Some(None)))
+        .map(|(row, data)| Free { row, kind: data.kind })
+        .collect();
+    let by_free = |form: &Form| Form {
+        coefficients: free.iter().map(|free| form.coefficients.get(free.row).copied().unwrap_or(0.0)).collect(),
+        offset: form.offset,
+    };
+    let mut rows: Vec<Form> = Vec::new();
+    for (index, data) in model.rows.iter().enumerate() {
+        let form = match solved.get(index) {
+            Some(Some(form)) => by_free(form),
+            _ => by_free(&unit(index, model.rows.len())),
+        };
+        let mixed = form.coefficients.iter().zip(&free).any(|(x, free)| *x != 0.0 && free.kind != data.kind);
+        if mixed {
+            return Err(Trouble::MixedKinds);
+        }
+        rows.push(form);
+    }
+    let mut unknowns = Unknowns { free, rows, joints: Vec::new() };
+    unknowns.joints = joints.iter().map(|joint| combine(joint, &unknowns.rows)).collect();
+    scale(&mut unknowns)?;
+    Ok(unknowns)
+}
+
+/// Makes every free angle the fraction of its row's that leaves whole multiples everywhere.
+fn scale(unknowns: &mut Unknowns) -> Result<(), Trouble> {
+    for (index, free) in unknowns.free.iter().enumerate() {
+        if free.kind == JointKind::Prismatic {
+            continue;
+        }
+        let uses = || unknowns.rows.iter().filter_map(move |row| row.coefficients.get(index).copied());
+        let whole = |k: &i32| uses().all(|x| (x * f64::from(*k) - (x * f64::from(*k)).round()).abs() < 1e-12);
+        let factor = (1..=LARGEST_DENOMINATOR).find(whole).ok_or(Trouble::Fraction)?;
+        for form in unknowns.rows.iter_mut().chain(&mut unknowns.joints) {
+            if let Some(entry) = form.coefficients.get_mut(index) {
+                *entry *= f64::from(factor);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A linear form in the rows' values, in terms of the free variables.
+pub(super) fn combine(form: &Form, rows: &[Form]) -> Form {
+    let width = rows.first().map_or(0, |row| row.coefficients.len());
+    let mut sum = Form { coefficients: vec![0.0; width], offset: form.offset };
+    for (factor, row) in form.coefficients.iter().zip(rows).filter(|(factor, _)| **factor != 0.0) {
+        sum = plus(&sum, row, *factor);
+    }
+    sum
+}
+
+fn plus(a: &Form, b: &Form, factor: f64) -> Form {
+    Form {
+        coefficients: a.coefficients.iter().zip(&b.coefficients).map(|(x, y)| x + factor * y).collect(),
+        offset: a.offset.add_scaled(b.offset, factor),
+    }
+}
+
+fn zero_like(form: &Form) -> Form {
+    Form { coefficients: vec![0.0; form.coefficients.len()], offset: Offset::default() }
+}
+
+fn unit(at: usize, count: usize) -> Form {
+    let mut form = Form { coefficients: vec![0.0; count], offset: Offset::default() };
+    if let Some(entry) = form.coefficients.get_mut(at) {
+        *entry = 1.0;
+    }
+    form
+}

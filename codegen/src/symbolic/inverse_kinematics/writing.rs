@@ -1,0 +1,390 @@
+//! Steps with polynomial coefficients -> steps with expressions, names and text.
+
+use super::atoms::{AngleData, Source};
+use super::polynomial::{Atom, Key, Polynomial};
+use super::search::{Found, Solved, State, Unknown};
+use super::unknowns::{self, Form, Unknowns};
+use super::{Derivation, Linear, Stage, StageEquation};
+use crate::model::{JointKind, Problem};
+use crate::symbolic::angle::{AngleForm, Turn};
+use crate::symbolic::expression::{Arena, Expr, Leaf};
+use crate::symbolic::number::Number;
+use crate::symbolic::{chain, text};
+use std::collections::BTreeMap;
+
+/// Writes a solved problem.
+pub(super) fn write(
+    arena: Arena,
+    problem: &Problem,
+    unknowns: &Unknowns,
+    end: &State,
+) -> Derivation {
+    let mut writer = Writer { arena, unknowns, end, exprs: BTreeMap::new(), defined: std::collections::BTreeSet::new() };
+    let inputs = problem.target.input_names().iter().map(|name| writer.arena.leaf(name, Leaf::Known)).collect();
+    let stages = end.found.iter().map(|found| writer.stage(found)).collect();
+    let free = writer.free_by_roots();
+    let joints = unknowns.joints.iter().map(|form| linear(form, &free)).collect();
+    Derivation { arena: writer.arena, inputs, stages, joints }
+}
+
+/// A form in the free variables, in terms of the roots.
+fn linear(form: &Form, free: &[Linear]) -> Linear {
+    let width = free.iter().flat_map(|free| &free.terms).map(|term| term.0 + 1).max().unwrap_or(0);
+    let as_forms: Vec<Form> = free
+        .iter()
+        .map(|free| {
+            let mut coefficients = vec![0.0; width];
+            for &(stage, factor) in &free.terms {
+                if let Some(entry) = coefficients.get_mut(stage) {
+                    *entry += factor;
+                }
+            }
+            Form { coefficients, offset: unknowns::Offset::default() }
+        })
+        .collect();
+    let combined = unknowns::combine(form, &as_forms);
+    let terms = combined.coefficients.into_iter().enumerate().filter(|(_, x)| x.abs() > 1e-12);
+    Linear { terms: terms.collect(), constant: combined.offset.value() }
+}
+
+struct Writer<'a> {
+    arena: Arena,
+    unknowns: &'a Unknowns,
+    end: &'a State,
+    exprs: BTreeMap<Atom, Expr>,
+    /// Names of abbreviations that earlier steps defined.
+    defined: std::collections::BTreeSet<String>,
+}
+
+/// A factor of a term.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+enum Factor {
+    Atom(Atom),
+    Trig(Vec<i16>, bool),
+}
+
+/// A coefficient and what it multiplies.
+type Term = (Number, Vec<Factor>);
+
+impl Writer<'_> {
+    fn stage(&mut self, found: &Found) -> Stage {
+        let (name, rows, kind, slide) = match &found.unknown {
+            Unknown::Slide(atom) => {
+                let data = self.end.atoms.list.get(usize::from(*atom));
+                let name = data.map_or_else(String::new, |data| data.name.clone());
+                let free = self.end.atoms.slide(*atom).and_then(|index| self.unknowns.free.get(index));
+                let slide = self.arena.leaf(&name, Leaf::Known);
+                (name, free.map(|free| free.row).into_iter().collect(), JointKind::Prismatic, Some(slide))
+            }
+            Unknown::Angle { frequency, .. } => {
+                let rows = self.signed_rows(frequency);
+                let name = format!("theta{}", suffix(&rows));
+                (name, rows.iter().map(|(row, _)| *row).collect(), JointKind::Revolute, None)
+            }
+        };
+        let equation = self.equation(&found.equation);
+        let (text, mut definitions) = self.text(&equation, &name);
+        definitions.retain(|(name, _)| self.defined.insert(name.clone()));
+        Stage {
+            unknown: name,
+            rows,
+            kind,
+            slide,
+            equation,
+            dimension: self.dimension(&found.equation),
+            text,
+            definitions,
+            origin: found.origin.clone(),
+        }
+    }
+
+    fn equation(&mut self, solved: &Solved) -> StageEquation {
+        match solved {
+            Solved::Trig(list) => StageEquation::Trig(self.trig(list)),
+            Solved::Pair(first, second) => StageEquation::TrigPair(self.trig(first), self.trig(second)),
+            Solved::Linear([b, c]) => {
+                let (b, c) = (self.expr(b), self.expr(c));
+                StageEquation::Linear([b, self.arena.neg(c)])
+            }
+            Solved::Quadratic(list) => StageEquation::Quadratic(list.each_ref().map(|p| self.expr(p))),
+        }
+    }
+
+    /// Coefficients, with the sign that makes the first one positive.
+    fn trig(&mut self, list: &[Polynomial; 3]) -> [Expr; 3] {
+        let list = list.each_ref().map(|polynomial| self.expr(polynomial));
+        let first = list.iter().find(|x| !self.arena.is_zero(**x));
+        if first.is_some_and(|x| !self.arena.split_sign(*x).0) {
+            return list.map(|x| self.arena.neg(x));
+        }
+        list
+    }
+
+    /// Power of the metre in the coefficients of sines and cosines, or in the constant of a slide's equation.
+    fn dimension(&self, solved: &Solved) -> u8 {
+        let keys = solved.coefficients().into_iter().flat_map(Polynomial::terms);
+        keys.map(|(key, _)| self.end.atoms.dimension(&key.monomial)).max().unwrap_or(0)
+    }
+
+    fn text(&self, equation: &StageEquation, unknown: &str) -> (String, Vec<(String, String)>) {
+        let arena = &self.arena;
+        let angle = unknown.strip_prefix("theta").unwrap_or(unknown);
+        let (sin, cos) = (format!("s{angle}"), format!("c{angle}"));
+        let trig = |[a, b, c]: &[Expr; 3]| {
+            format!("{} = {}", text::combination(arena, &[(*a, &cos), (*b, &sin)]), text::abbreviated(arena, *c))
+        };
+        let square = format!("{unknown}^2");
+        let written = match equation {
+            StageEquation::Trig(list) => trig(list),
+            StageEquation::TrigPair(first, second) => format!("{}; {}", trig(first), trig(second)),
+            StageEquation::Linear([a, c]) => {
+                format!("{} = {}", text::combination(arena, &[(*a, unknown)]), text::abbreviated(arena, *c))
+            }
+            StageEquation::Quadratic([a, b, c]) => {
+                format!("{} = 0", text::combination(arena, &[(*a, &square), (*b, unknown), (*c, "")]))
+            }
+        };
+        (written, text::definitions(arena, &equation.coefficients()))
+    }
+
+    /// Which rows, with which sign, an angle is the sum of.
+    fn signed_rows(&self, frequency: &[i16]) -> Vec<(usize, i16)> {
+        let angles = self.end.atoms.angles.iter().zip(frequency).filter(|(_, k)| **k != 0);
+        let row = |(angle, k): (&AngleData, &i16)| match angle {
+            AngleData::Free(index) => self.unknowns.free.get(*index).map(|free| (free.row, *k)),
+            AngleData::Constant { .. } => None,
+        };
+        angles.filter_map(row).collect()
+    }
+
+    /// What stands in a place of the frequencies, in terms of the free angles.
+    fn original(&self, frequency: &[i16]) -> Vec<i16> {
+        let mut sum = vec![0; frequency.len()];
+        for (at, k) in frequency.iter().enumerate().filter(|(_, k)| **k != 0) {
+            let root = self.end.found.iter().find_map(|found| match &found.unknown {
+                Unknown::Angle { frequency, at: place } if *place == at => Some(frequency),
+                _ => None,
+            });
+            for (index, entry) in sum.iter_mut().enumerate() {
+                let own = root.map_or(i16::from(index == at), |root| root.get(index).copied().unwrap_or(0));
+                *entry += k * own;
+            }
+        }
+        sum
+    }
+
+    /// Every free variable in terms of the roots.
+    fn free_by_roots(&self) -> Vec<Linear> {
+        let none = Linear { terms: Vec::new(), constant: 0.0 };
+        let mut free = vec![none; self.unknowns.free.len()];
+        for (stage, found) in self.end.found.iter().enumerate().rev() {
+            match &found.unknown {
+                Unknown::Slide(atom) => {
+                    let place = self.end.atoms.slide(*atom).and_then(|index| free.get_mut(index));
+                    if let Some(place) = place {
+                        place.terms.push((stage, 1.0));
+                    }
+                }
+                Unknown::Angle { frequency, at } => {
+                    let sign = f64::from(frequency.get(*at).copied().unwrap_or(1));
+                    let mut sum = BTreeMap::from([(stage, sign)]);
+                    for (angle, k) in self.end.atoms.angles.iter().zip(frequency).enumerate().filter_map(
+                        |(index, (angle, k))| (index != *at && *k != 0).then_some((angle, f64::from(*k))),
+                    ) {
+                        let AngleData::Free(other) = angle else { continue };
+                        for &(root, x) in free.get(*other).map_or(&[][..], |other| &other.terms) {
+                            *sum.entry(root).or_insert(0.0) -= sign * k * x;
+                        }
+                    }
+                    if let Some(AngleData::Free(own)) = self.end.atoms.angles.get(*at)
+                        && let Some(place) = free.get_mut(*own)
+                    {
+                        place.terms = sum.into_iter().filter(|(_, x)| *x != 0.0).collect();
+                    }
+                }
+            }
+        }
+        free
+    }
+
+    fn atom(&mut self, atom: Atom) -> Expr {
+        if let Some(&known) = self.exprs.get(&atom) {
+            return known;
+        }
+        let Some(data) = self.end.atoms.list.get(usize::from(atom)).cloned() else { return self.arena.zero() };
+        let expr = match &data.source {
+            Source::Table(expr) | Source::Target(expr) => *expr,
+            Source::Slide(_) => self.arena.leaf(&data.name, Leaf::Known),
+            Source::Abbreviation(definition) => {
+                let expr = self.expr(definition);
+                self.arena.name(expr, &data.name);
+                expr
+            }
+        };
+        self.exprs.insert(atom, expr);
+        expr
+    }
+
+    /// With merged angles, or with products of the sines and cosines of the roots, whichever is less work. Angles of
+    /// the table have no merged form.
+    fn expr(&mut self, polynomial: &Polynomial) -> Expr {
+        let terms: Vec<Term> = polynomial.terms().map(|(key, number)| (number, factors(key))).collect();
+        let several = |factor: &Factor| match factor {
+            Factor::Trig(frequency, _) => frequency.iter().filter(|k| **k != 0).count() > 1,
+            Factor::Atom(_) => false,
+        };
+        if !terms.iter().flat_map(|(_, factors)| factors).any(several) {
+            return self.sum(terms);
+        }
+        let products = match expanded(polynomial) {
+            Some(terms) => self.sum(terms),
+            None => return self.sum(terms),
+        };
+        if self.has_constant_angle(polynomial) {
+            return products;
+        }
+        let merged = self.sum(terms);
+        let cost = |x: Expr| self.arena.operation_count(&[x]);
+        if cost(products) < cost(merged) { products } else { merged }
+    }
+
+    fn has_constant_angle(&self, polynomial: &Polynomial) -> bool {
+        let constant = |at: usize| matches!(self.end.atoms.angles.get(at), Some(AngleData::Constant { .. }));
+        polynomial.terms().any(|(key, _)| key.frequency.iter().enumerate().any(|(at, k)| *k != 0 && constant(at)))
+    }
+
+    /// A sum, the factor that most terms share taken out first.
+    fn sum(&mut self, mut terms: Vec<Term>) -> Expr {
+        terms.sort_by_key(|(number, _)| number.is_negative());
+        let mut counts: BTreeMap<&Factor, usize> = BTreeMap::new();
+        for (_, factors) in &terms {
+            let mut distinct: Vec<&Factor> = factors.iter().collect();
+            distinct.dedup();
+            distinct.into_iter().for_each(|factor| *counts.entry(factor).or_insert(0) += 1);
+        }
+        let shared = counts.into_iter().filter(|(_, count)| *count > 1).max_by_key(|(_, count)| *count);
+        if let Some(factor) = shared.map(|(factor, _)| factor.clone()) {
+            let (with, without): (Vec<_>, Vec<_>) =
+                terms.into_iter().partition(|(_, factors)| factors.contains(&factor));
+            let rest = with.into_iter().map(|(number, mut factors)| {
+                if let Some(at) = factors.iter().position(|own| *own == factor) {
+                    factors.remove(at);
+                }
+                (number, factors)
+            });
+            let inner = self.sum(rest.collect());
+            let outer = self.factor(&factor);
+            let product = self.arena.mul(outer, inner);
+            let rest = self.sum(without);
+            return self.arena.add(product, rest);
+        }
+        let mut sum = self.arena.zero();
+        for (number, factors) in terms {
+            let mut product = self.arena.number(number);
+            for factor in &factors {
+                let factor = self.factor(factor);
+                product = self.arena.mul(product, factor);
+            }
+            sum = self.arena.add(sum, product);
+        }
+        sum
+    }
+
+    fn factor(&mut self, factor: &Factor) -> Expr {
+        match factor {
+            Factor::Atom(atom) => self.atom(*atom),
+            Factor::Trig(frequency, sine) => {
+                let (sin, cos) = self.sin_cos(frequency);
+                if *sine { sin } else { cos }
+            }
+        }
+    }
+
+    fn sin_cos(&mut self, frequency: &[i16]) -> (Expr, Expr) {
+        let mut form = AngleForm::ZERO;
+        let mut constants = String::new();
+        for (at, k) in frequency.iter().enumerate().filter(|(_, k)| **k != 0) {
+            let stage = self.end.found.iter().position(
+                |found| matches!(&found.unknown, Unknown::Angle { at: place, .. } if *place == at),
+            );
+            match (stage, self.end.atoms.angles.get(at)) {
+                (Some(stage), _) => {
+                    form = form.add(&AngleForm { terms: vec![(stage, f64::from(*k))], turn: Turn::ZERO }, 1.0);
+                }
+                (None, Some(AngleData::Constant { name, value })) => {
+                    form.turn.rest += f64::from(*k) * value;
+                    constants = format!("{constants}_{name}");
+                }
+                _ => {}
+            }
+        }
+        let rows = self.signed_rows(&self.original(frequency));
+        let name = format!("{}{constants}", suffix(&rows));
+        self.arena.sin_cos(name.trim_start_matches('_'), &form)
+    }
+}
+
+/// Sines and cosines of sums as products of those of the single angles, by the addition theorems; `None` where the
+/// integers overflow. Multiples of one angle stay as they are.
+fn expanded(polynomial: &Polynomial) -> Option<Vec<Term>> {
+    let mut collected: BTreeMap<Vec<Factor>, Number> = BTreeMap::new();
+    for (key, number) in polynomial.terms() {
+        let plain = Key { frequency: vec![0; key.frequency.len()], sine: false, monomial: key.monomial.clone() };
+        let atoms = factors(&plain);
+        // (number, factors) of the cosine and of the sine of the angles so far.
+        let mut cos: Vec<Term> = vec![(Number::ONE, Vec::new())];
+        let mut sin: Vec<Term> = Vec::new();
+        for (at, k) in key.frequency.iter().enumerate().filter(|(_, k)| **k != 0) {
+            let mut own = vec![0; key.frequency.len()];
+            if let Some(entry) = own.get_mut(at) {
+                *entry = k.abs();
+            }
+            let sign = if *k < 0 { Number::integer(-1) } else { Number::ONE };
+            let (s, c) = (Factor::Trig(own.clone(), true), Factor::Trig(own, false));
+            let next_cos = [times(&cos, &c, Number::ONE)?, times(&sin, &s, sign.neg())?].concat();
+            let next_sin = [times(&sin, &c, Number::ONE)?, times(&cos, &s, sign)?].concat();
+            (cos, sin) = (next_cos, next_sin);
+        }
+        for (factor, mut list) in if key.sine { sin } else { cos } {
+            list.extend(atoms.iter().cloned());
+            list.sort();
+            let entry = collected.entry(list).or_insert(Number::ZERO);
+            *entry = entry.add(factor.mul(number)?)?;
+        }
+    }
+    Some(collected.into_iter().filter(|(_, n)| !n.is_zero()).map(|(list, n)| (n, list)).collect())
+}
+
+fn times(terms: &[Term], factor: &Factor, by: Number) -> Option<Vec<Term>> {
+    let one = |(number, list): &Term| {
+        let mut list = list.clone();
+        list.push(factor.clone());
+        Some((number.mul(by)?, list))
+    };
+    terms.iter().map(one).collect()
+}
+
+fn factors(key: &Key) -> Vec<Factor> {
+    let mut factors: Vec<Factor> = key
+        .monomial
+        .iter()
+        .flat_map(|(atom, power)| std::iter::repeat_n(Factor::Atom(*atom), usize::from(*power)))
+        .collect();
+    if key.frequency.iter().any(|k| *k != 0) {
+        factors.push(Factor::Trig(key.frequency.clone(), key.sine));
+    }
+    factors
+}
+
+/// `23`, `2m3`; a multiple is written before its row: `2x3`.
+fn suffix(rows: &[(usize, i16)]) -> String {
+    if rows.iter().all(|(_, k)| k.abs() == 1) {
+        let signed: Vec<(usize, bool)> = rows.iter().map(|(row, k)| (*row, *k > 0)).collect();
+        return chain::suffix(&signed);
+    }
+    let parts: Vec<String> = rows
+        .iter()
+        .map(|(row, k)| format!("{}{}x{}", if *k < 0 { "m" } else { "" }, k.abs(), row + 1))
+        .collect();
+    parts.join("_")
+}

@@ -1,0 +1,187 @@
+//! Every function of a plan, run in the interpreter against plain products of the table's own matrices.
+//!
+//! A plan is made by an engine that rewrites equations; here its results are held against something that shares
+//! nothing with it. A function that fails is taken out of the plan, so that no wrong number is ever printed; the
+//! others stay.
+//!
+//! Forward functions must agree with the product at every pose. For inverse problems, poses are made from random
+//! and special joint vectors that satisfy the problem's constraints; every solution must meet its target, the
+//! constraints and `where`, and the joint vector that the pose was made from must be among the solutions.
+
+mod constraints;
+mod forward;
+mod inverse;
+mod poses;
+mod prescribed;
+mod random;
+mod reference;
+mod report;
+mod singular_values;
+mod where_clause;
+
+#[cfg(test)]
+mod tests;
+
+pub use report::{FunctionReport, InverseReport, Report};
+
+use crate::diagnostic::catalogue::VERIFICATION;
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::model::Model;
+use crate::plan::eval::Program;
+use crate::plan::{Function, FunctionKind, Plan};
+use constraints::Constraints;
+
+/// Errors of forward functions: of positions in reaches, of rotations in rad.
+pub const FORWARD_TOLERANCE: f64 = 1e-12;
+
+/// Errors of inverse solutions against their target, in reaches and rad.
+pub const RESIDUAL: f64 = 1e-9;
+
+/// The same at singular poses, where a root is only known to half of the digits.
+pub const RESIDUAL_SINGULAR: f64 = 1e-7;
+
+/// Poses at which the smallest singular value of the problem's Jacobian is below this count as singular.
+pub const SINGULAR: f64 = 1e-6;
+
+/// How near (rad or m) a solution must be to the joint vector that its target was made from.
+pub const COMPLETE: f64 = 1e-8;
+
+/// Near a singular pose it may be this, divided by the smallest singular value squared, instead.
+pub const COMPLETE_NEAR_SINGULAR: f64 = 1e-13;
+
+/// How thoroughly to verify.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Level {
+    /// A few poses, for macros: cheap even in unoptimised builds.
+    Quick,
+    /// Some hundred poses with singular ones and the neighbourhood of these, for `dhc check` and tests.
+    Full,
+}
+
+/// What errors may be (m, rad).
+struct Tolerance {
+    position: f64,
+    rotation: f64,
+}
+
+impl Tolerance {
+    /// False for NaN too.
+    fn holds(&self, position: f64, rotation: f64) -> bool {
+        position <= self.position && rotation <= self.rotation
+    }
+}
+
+/// Runs every function of a plan; those that fail are reported and left out of the plan that is returned.
+pub fn verify(model: &Model, plan: Plan, level: Level, diagnostics: &mut Diagnostics) -> (Plan, Report) {
+    let verification = Verification { model, level, reach: model.reach() };
+    let report = verification.report(&plan);
+    for function in &report.functions {
+        if let Some(failure) = &function.failure {
+            diagnostics.push(diagnostic(model, function, failure));
+        }
+    }
+    let failed =
+        |index: usize| report.functions.get(index).is_some_and(|function| function.failure.is_some());
+    let functions = plan.functions.into_iter().enumerate();
+    let functions = functions.filter(|(index, _)| !failed(*index)).map(|(_, function)| function).collect();
+    (Plan { constants: plan.constants, functions }, report)
+}
+
+/// What is said of a function that failed.
+fn diagnostic(model: &Model, function: &FunctionReport, failure: &str) -> Diagnostic {
+    let message = format!("`{}` is left out, since it did not stand verification: {failure}", function.name);
+    // The table is not at fault, and the functions that stood it can be used.
+    let warning = Diagnostic::warning(VERIFICATION, message).help(
+        "this is a mistake of the compiler, not of the table; please report it together with the table",
+    );
+    match function.kind {
+        FunctionKind::Inverse(Some(index)) => match model.problems.get(index) {
+            Some(problem) => warning.at(problem.span.clone(), "this problem is not solved"),
+            None => warning,
+        },
+        _ => warning,
+    }
+}
+
+struct Verification<'m> {
+    model: &'m Model,
+    level: Level,
+    /// m
+    reach: f64,
+}
+
+impl Verification<'_> {
+    fn report(&self, plan: &Plan) -> Report {
+        let mut functions: Vec<FunctionReport> =
+            plan.functions.iter().map(|function| self.prepare(plan, function)).collect();
+        let sound = |(function, report): (&Function, &FunctionReport)| {
+            report.failure.is_none().then(|| function.clone())
+        };
+        let sound = plan.functions.iter().zip(&functions).filter_map(sound).collect();
+        let sound = Plan { constants: plan.constants.clone(), functions: sound };
+        // Every function left is sound by itself, so the whole is.
+        let Ok(program) = Program::new(self.model, &sound) else {
+            return Report { functions };
+        };
+        let any = Constraints::of(self.model, None);
+        let poses = poses::poses(self.model, &any, self.level, self.reach);
+        let (forward, inverse): (Vec<_>, Vec<_>) = functions
+            .iter_mut()
+            .filter(|report| report.failure.is_none())
+            .partition(|report| report.inverse.is_none());
+        let mut fk = false;
+        for report in forward {
+            forward::verify(self.model, &program, &poses, self.reach, report);
+            fk |= report.kind == FunctionKind::Fk && report.failure.is_none();
+        }
+        for report in inverse {
+            if fk {
+                self.inverse(&program, report);
+            } else {
+                report.failure = Some("it relies on `fk`, which failed".to_owned());
+            }
+        }
+        Report { functions }
+    }
+
+    /// The report on a function before it is run.
+    fn prepare(&self, plan: &Plan, function: &Function) -> FunctionReport {
+        let mut report = FunctionReport::new(function.kind.clone(), name(self.model, &function.kind));
+        report.failure =
+            Program::<f64>::check(self.model, plan, function).err().map(|error| error.to_string());
+        report
+    }
+
+    fn inverse(&self, program: &Program<'_>, report: &mut FunctionReport) {
+        let FunctionKind::Inverse(problem) = report.kind else {
+            return;
+        };
+        let constraints =
+            Constraints::of(self.model, problem.and_then(|index| self.model.problems.get(index)));
+        let poses = poses::poses(self.model, &constraints, self.level, self.reach);
+        let inverse = inverse::Inverse {
+            model: self.model,
+            program,
+            problem,
+            constraints: &constraints,
+            windings: &program.windings(),
+            reach: self.reach,
+        };
+        inverse.verify(&poses, report);
+    }
+}
+
+/// The name of a function in generated code.
+fn name(model: &Model, kind: &FunctionKind) -> String {
+    match kind {
+        FunctionKind::Fk => "fk".to_owned(),
+        FunctionKind::FkFlange => "fk_flange".to_owned(),
+        FunctionKind::Jacobian => "jacobian".to_owned(),
+        FunctionKind::FkJacobian => "fk_jacobian".to_owned(),
+        FunctionKind::Frames => "frames".to_owned(),
+        FunctionKind::Inverse(None) => "ik_all".to_owned(),
+        FunctionKind::Inverse(Some(index)) => {
+            model.problems.get(*index).map_or_else(String::new, |problem| format!("ik_all_{}", problem.name))
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! Inverse problems: forward kinematics of what they return, and whether what they were asked from is among it.
+
+use super::constraints::Constraints;
+use super::prescribed::{prescribed, target_of};
+use super::report::{FunctionReport, InverseReport};
+use super::where_clause::Wheres;
+use super::{
+    COMPLETE, COMPLETE_NEAR_SINGULAR, RESIDUAL, RESIDUAL_SINGULAR, SINGULAR, Tolerance, reference,
+    singular_values,
+};
+use crate::model::{self, Model};
+use crate::plan::eval::Program;
+use dh_core::{Target, Winding};
+use std::cell::OnceCell;
+
+/// Step of the finite differences (rad or m): their error is then some 1e-10, far below [`SINGULAR`].
+const DIFFERENCE: f64 = 1e-6;
+
+/// One inverse problem under verification.
+pub(super) struct Inverse<'v> {
+    pub(super) model: &'v Model,
+    pub(super) program: &'v Program<'v>,
+    /// Index into `Model::problems`; `None` for the full pose.
+    pub(super) problem: Option<usize>,
+    pub(super) constraints: &'v Constraints,
+    /// Whole turns that make no difference.
+    pub(super) windings: &'v [Winding<'v>],
+    /// m
+    pub(super) reach: f64,
+}
+
+impl Inverse<'_> {
+    /// Asks for the pose at every joint vector; the first wrong answer ends up in the report as the failure.
+    pub(super) fn verify(&self, poses: &[Vec<f64>], report: &mut FunctionReport) {
+        for (number, q) in poses.iter().enumerate() {
+            let Some(target) = target_of(self.kind(), &reference::tool(self.model, q), number, self.reach)
+            else {
+                continue;
+            };
+            report.poses += 1;
+            if let Err(failure) = self.pose(q, &target, report) {
+                report.failure = Some(format!("{failure}, asked for the pose at q = {q:?}"));
+                return;
+            }
+        }
+    }
+
+    fn pose(&self, q: &[f64], target: &Target<f64>, report: &mut FunctionReport) -> Result<(), String> {
+        let free: Vec<f64> = self.given().iter().map(|joint| q.get(*joint).copied().unwrap_or(0.0)).collect();
+        let Some(answer) = self.program.inverse(self.problem, target, &free, self.windings, |_| ()) else {
+            return Ok(());
+        };
+        let wheres = Wheres::of(self.model, self.problem);
+        let allowed = wheres.clearly_keep(q);
+        let solutions = match &answer {
+            Ok(solutions) => solutions.as_slice(),
+            Err(_) if !allowed => &[],
+            Err(error) => return Err(format!("no solution found ({error})")),
+        };
+        let smallest = OnceCell::new();
+        let smallest = || *smallest.get_or_init(|| self.smallest_singular_value(q, target));
+        let mut nearest = f64::INFINITY;
+        for solution in solutions {
+            let joints = solution.q.get(..q.len()).unwrap_or_default();
+            self.solution(joints, target, &wheres, smallest, report)?;
+            nearest = nearest.min(self.travel(q, joints));
+        }
+        let Some(inverse) = &mut report.inverse else {
+            return Ok(());
+        };
+        inverse.count(solutions.len());
+        if allowed { original(nearest, smallest, inverse) } else { Ok(()) }
+    }
+
+    /// One returned solution: target, constraints and `where`.
+    fn solution(
+        &self,
+        q: &[f64],
+        target: &Target<f64>,
+        wheres: &Wheres<'_>,
+        smallest: impl Fn() -> f64,
+        report: &mut FunctionReport,
+    ) -> Result<(), String> {
+        let (position, rotation) = target.errors(&reference::tool(self.model, q));
+        report.errors(position, rotation);
+        let allowed = |residual: f64| Tolerance { position: residual * self.reach, rotation: residual };
+        let hits = allowed(RESIDUAL).holds(position, rotation)
+            || (allowed(RESIDUAL_SINGULAR).holds(position, rotation) && smallest() < SINGULAR);
+        if !hits {
+            return Err(format!(
+                "the solution {q:?} misses its target by {position:.3e} m and {rotation:.3e} rad"
+            ));
+        }
+        let excess = self.constraints.excess(q);
+        if excess.is_nan() || excess > RESIDUAL_SINGULAR {
+            return Err(format!("the solution {q:?} breaks a constraint by {excess:.3e}"));
+        }
+        if wheres.clearly_refuse(q) {
+            return Err(format!("the solution {q:?} is not one that `where` keeps"));
+        }
+        Ok(())
+    }
+
+    fn kind(&self) -> model::Target {
+        let problem = self.problem.and_then(|index| self.model.problems.get(index));
+        problem.map_or(model::Target::Pose, |problem| problem.target)
+    }
+
+    /// Joints that the caller gives.
+    fn given(&self) -> &[usize] {
+        let problem = self.problem.and_then(|index| self.model.problems.get(index));
+        problem.map_or(&[], |problem| &problem.free)
+    }
+
+    /// The smallest singular value of how the prescribed numbers change with the unknowns (m/rad, 1, ...), by central
+    /// differences of the product of the rows.
+    fn smallest_singular_value(&self, q: &[f64], target: &Target<f64>) -> f64 {
+        let unknowns = self.constraints.independent.iter().filter(|joint| !self.given().contains(joint));
+        let column = |joint: &usize| {
+            let direction = self.constraints.direction(*joint, q.len());
+            let at = |step: f64| {
+                let moved: Vec<f64> = q.iter().zip(&direction).map(|(q, rate)| q + step * rate).collect();
+                prescribed(target, &reference::tool(self.model, &moved))
+            };
+            let pairs = at(DIFFERENCE).into_iter().zip(at(-DIFFERENCE));
+            pairs.map(|(after, before)| (after - before) / (2.0 * DIFFERENCE)).collect()
+        };
+        singular_values::smallest(unknowns.map(column).collect())
+    }
+
+    /// The greatest difference of two joint vectors (rad or m), whole turns aside.
+    fn travel(&self, left: &[f64], right: &[f64]) -> f64 {
+        let mut difference: Vec<f64> = left.iter().zip(right).map(|(left, right)| left - right).collect();
+        for winding in &self.model.windings {
+            let Some(own) = difference.get_mut(winding.joint) else {
+                continue;
+            };
+            let turns = (*own / winding.turn).round();
+            *own -= turns * winding.turn;
+            for (joint, turn) in &winding.carries {
+                if let Some(carried) = difference.get_mut(*joint) {
+                    *carried -= turns * turn;
+                }
+            }
+        }
+        difference.into_iter().fold(0.0, |greatest, difference| f64::max(greatest, difference.abs()))
+    }
+}
+
+/// Whether the joint vector that a target was made from was found again, `nearest` (rad or m) being the solution
+/// nearest to it.
+fn original(nearest: f64, smallest: impl Fn() -> f64, report: &mut InverseReport) -> Result<(), String> {
+    if nearest <= COMPLETE {
+        report.originals += 1;
+        report.originals_found += 1;
+        return Ok(());
+    }
+    let smallest = smallest();
+    if smallest < SINGULAR {
+        report.singular += 1;
+        return Ok(());
+    }
+    report.originals += 1;
+    let tolerance = COMPLETE.max(COMPLETE_NEAR_SINGULAR / (smallest * smallest));
+    if nearest > tolerance {
+        return Err(format!(
+            "a branch is missing: the nearest solution is {nearest:.3e} (rad or m) away, {tolerance:.1e} is allowed"
+        ));
+    }
+    report.originals_found += 1;
+    Ok(())
+}

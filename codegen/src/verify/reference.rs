@@ -1,0 +1,92 @@
+//! What functions are held against: the product of the rows' matrices of the very table, which shares nothing with
+//! the equations and the plan.
+
+use crate::model::product::{self, Frames, Matrix};
+use crate::model::{Convention, JointKind, Model};
+use dh_core::Frame;
+
+/// The robot at one joint vector, from the product alone.
+pub(super) struct Reference<'m> {
+    model: &'m Model,
+    pub(super) frames: Frames,
+}
+
+impl<'m> Reference<'m> {
+    pub(super) fn at(model: &'m Model, q: &[f64]) -> Self {
+        Reference { model, frames: product::frames(model, q) }
+    }
+
+    /// The flange, which is the frame of the last row.
+    pub(super) fn flange(&self) -> Matrix {
+        self.frames.rows.last().copied().unwrap_or(self.frames.tool)
+    }
+
+    /// Columns of the geometric Jacobian at the tool point, each with the distance of its axis' origin (m), to which
+    /// rounding is relative: z x (p - o) and z for a row that turns, z and 0 for one that slides.
+    pub(super) fn jacobian(&self) -> Vec<([f64; 6], f64)> {
+        let mut columns = vec![([0.0; 6], 0.0); self.model.joints.len()];
+        let [tx, ty, tz] = position(&self.frames.tool);
+        for (index, row) in self.model.rows.iter().enumerate() {
+            // Standard rows turn about the z axis of the frame before theirs, modified ones about their own.
+            let frame = match self.model.convention {
+                Convention::Standard => index,
+                Convention::Modified => index + 1,
+            };
+            let Some(frame) = self.frames.rows.get(frame) else {
+                continue;
+            };
+            let [ox, oy, oz] = position(frame);
+            let [zx, zy, zz] = axis(frame, 2);
+            let (lx, ly, lz) = (tx - ox, ty - oy, tz - oz);
+            let (rates, arm) = match row.kind {
+                JointKind::Revolute => {
+                    let velocity = [zy * lz - zz * ly, zz * lx - zx * lz, zx * ly - zy * lx];
+                    ([velocity, [zx, zy, zz]], (lx * lx + ly * ly + lz * lz).sqrt())
+                }
+                JointKind::Prismatic => ([[zx, zy, zz], [0.0; 3]], 0.0),
+            };
+            for (joint, factor) in &row.terms {
+                let Some((column, distance)) = columns.get_mut(*joint) else {
+                    continue;
+                };
+                column.iter_mut().zip(rates.as_flattened()).for_each(|(sum, rate)| *sum += factor * rate);
+                *distance += factor.abs() * arm;
+            }
+        }
+        columns
+    }
+}
+
+/// The tool frame at a joint vector.
+pub(super) fn tool(model: &Model, q: &[f64]) -> Frame<f64> {
+    frame(&product::frames(model, q).tool)
+}
+
+/// A matrix of the product as a frame.
+pub(super) fn frame([x, y, z]: &Matrix) -> Frame<f64> {
+    let [x, y, z] = [x, y, z].map(|[r1, r2, r3, p]| ([*r1, *r2, *r3], *p));
+    Frame { rotation: [x.0, y.0, z.0], translation: [x.1, y.1, z.1] }
+}
+
+/// The origin of a frame (m).
+pub(super) fn position(matrix: &Matrix) -> [f64; 3] {
+    matrix.map(|[_, _, _, p]| p)
+}
+
+/// The x, y or z axis of a frame.
+pub(super) fn axis(matrix: &Matrix, axis: usize) -> [f64; 3] {
+    matrix.map(|row| row.get(axis).copied().unwrap_or(0.0))
+}
+
+/// Distance of two matrices' origins (m) and Frobenius distance of their rotations over sqrt(2), which is the angle
+/// between them where it is small (rad), and unlike an angle by `acos` keeps its digits there.
+pub(super) fn distance(left: &Matrix, right: &Matrix) -> (f64, f64) {
+    let (mut position, mut rotation) = (0.0, 0.0);
+    for (left, right) in left.iter().zip(right) {
+        for (column, (left, right)) in left.iter().zip(right).enumerate() {
+            let square = (left - right) * (left - right);
+            *(if column == 3 { &mut position } else { &mut rotation }) += square;
+        }
+    }
+    (f64::sqrt(position), f64::sqrt(rotation / 2.0))
+}

@@ -1,0 +1,100 @@
+//! Printed Rust compiles with every warning an error, and gives the bits of the interpreter. The texts are those that
+//! `printed_text` keeps fresh.
+
+#![deny(warnings, missing_docs, clippy::pedantic)]
+
+mod plans;
+
+#[path = "printed/planar.rs"]
+#[rustfmt::skip]
+mod planar;
+#[path = "printed/planar_plain_f32.rs"]
+#[rustfmt::skip]
+mod planar_plain_f32;
+#[path = "printed/polar.rs"]
+#[rustfmt::skip]
+mod polar;
+
+use dh_codegen::model::Model;
+use dh_codegen::plan::Plan;
+use dh_codegen::plan::eval::Program;
+use dh_runtime::nalgebra::Point2;
+use dh_runtime::{Float, Frame, IkError, Kinematics, Rule, SolutionSet, Target};
+use planar::Planar2R;
+
+#[test]
+fn generated_code_gives_the_bits_of_the_interpreter() {
+    let (model, plan) = plans::planar();
+    same_bits(&Planar2R, &model, &plan, &[[0.3, -1.1], [2.9, 0.0], [-0.4, 3.0]]);
+    let single = [[0.3_f32, -1.1], [2.9, 0.0], [-0.4, 3.0]];
+    same_bits(&planar_plain_f32::Planar2R, &model, &plan, &single);
+    let (model, plan) = plans::polar();
+    same_bits(&polar::Polar, &model, &plan, &[[0.3, 0.2], [-3.0, 0.8]]);
+}
+
+/// Compares all that [`Kinematics`] computes: Debug prints floats so that different bits are different text.
+fn same_bits<S: Float>(arm: &dyn Kinematics<S>, model: &Model, plan: &Plan, poses: &[[S; 2]]) {
+    let program = Program::<S>::new(model, plan).expect("a sound plan");
+    let interpreter = program.interpreter().expect("a complete plan");
+    let text = |arm: &dyn Kinematics<S>, q: &[S; 2]| {
+        let mut frames = [Frame::IDENTITY; 3];
+        let mut columns = [[S::ZERO; 6]; 2];
+        let mut text = format!("{:?}\n", [arm.fk(q), arm.fk_flange(q)]);
+        text += &format!("{:?} {frames:?}\n", arm.frames_into(q, &mut frames));
+        text += &format!("{:?} {columns:?}\n", arm.jacobian_into(q, &mut columns));
+        let [x, y, _] = arm.fk(q).expect("two joints").translation;
+        for problem in arm.problems() {
+            let mut set = SolutionSet::new();
+            let result = arm.ik_into(problem.name, &Target::Xy([x, y]), &mut set);
+            let near = arm.ik_within(problem.name, &Target::Xy([x, y]), Some(q), &mut set.clone());
+            text += &format!("{} {result:?} {near:?}\n", problem.name);
+            set.iter().for_each(|solution| text += &format!("{solution:?}\n"));
+        }
+        text + &format!("{:?} {:?}", arm.check(q).map_err(|error| error.to_string()), arm.rules())
+    };
+    for q in poses {
+        assert_eq!(text(arm, q), text(&interpreter, q));
+    }
+    assert_eq!(arm.fingerprint(), interpreter.fingerprint());
+    assert_eq!(arm.problems(), interpreter.problems());
+    assert_eq!(arm.rows(), interpreter.rows());
+}
+
+#[test]
+fn methods_are_as_a_user_calls_them() -> Result<(), IkError> {
+    let arm = Planar2R;
+    let q = [0.3, -1.1];
+    let tool = arm.fk(&q).translation.vector;
+    let target = Point2::new(tool.x, tool.y);
+    assert_eq!(arm.ik_all_xy(&target)?.len(), 2);
+    let near = arm.ik_xy_near(&target, &q)?;
+    assert!((near[0].q[0] - q[0]).abs() < 1e-12 && (near[0].q[1] - q[1]).abs() < 1e-12);
+    assert!(arm.ik_elbow_up(&target)?.iter().all(|solution| solution.q[1] <= 0.0));
+    assert!(arm.check(&q).is_ok() && arm.check(&[4.0, 0.0]).is_err());
+    assert!(matches!(arm.ik_all_xy(&Point2::new(2.0, 0.0)), Err(IkError::Unreachable { .. })));
+
+    // Straight ahead there is one solution, and it is not below zero.
+    let (model, plan) = plans::planar();
+    let program = Program::<f64>::new(&model, &plan).expect("a sound plan");
+    let interpreter = program.interpreter().expect("a complete plan");
+    let straight = Target::Xy([0.9, 0.0]);
+    let mut set = SolutionSet::new();
+    for arm in [&arm as &dyn Kinematics, &interpreter] {
+        arm.ik_into("elbow_up", &straight, &mut set)?;
+        assert_eq!(set.len(), 1);
+        let unknown = arm.ik_into("elbow_down", &straight, &mut set);
+        assert_eq!((unknown, set.len()), (Err(IkError::UnknownProblem), 0));
+    }
+    assert!(!matches!(arm.ik_all_xy(&target), Err(IkError::Forbidden { rule: Rule::Where { .. } })));
+    Ok(())
+}
+
+#[test]
+fn tool_and_base_are_added_at_run_time() {
+    let arm = Planar2R;
+    let tool = dh_runtime::Pose::translation(0.1, 0.0, 0.0);
+    let base = dh_runtime::Pose::translation(0.0, 0.0, 1.0);
+    let mounted = arm.with_base(&base).with_tool(Frame::from(tool));
+    let tip = Kinematics::fk(&mounted, &[0.0, 0.0]).expect("two joints").translation;
+    assert!((tip[0] - 1.0).abs() < 1e-12 && (tip[2] - 1.0).abs() < 1e-12);
+}
