@@ -17,7 +17,6 @@ pub mod plan;
 pub mod verify;
 /// Stage 5: printers.
 pub mod emit;
-<<<<<<< HEAD
 
 use diagnostic::{Diagnostic, Diagnostics, catalogue};
 use emit::rust::Outline;
@@ -85,5 +84,3 @@ fn not_solved(model: &Model, unsolved: &Unsolved) -> Diagnostic {
         "hold further joints by constraints, or prescribe a target that the joints left can reach one after the other",
     )
 }
-=======
->>>>>>> refs/heads/robots
