@@ -8,13 +8,18 @@ pub mod eval;
 #[cfg(test)]
 pub(crate) mod fixtures;
 mod forward;
+mod inverse;
 mod schedule;
 
-/// Every function that the robot has.
-pub fn build(model: &crate::model::Model) -> Plan {
+pub use inverse::Unsolved;
+
+/// Every function that the robot has, and the problems that have none.
+pub fn build(model: &crate::model::Model) -> (Plan, Vec<Unsolved>) {
     let mut constants = schedule::Constants::default();
-    let functions = forward::functions(model, &mut constants);
-    Plan { constants: constants.into_list(), functions }
+    let mut functions = forward::functions(model, &mut constants);
+    let (inverse, unsolved) = inverse::functions(model, &mut constants);
+    functions.extend(inverse);
+    (Plan { constants: constants.into_list(), functions }, unsolved)
 }
 
 /// All functions of one robot.
@@ -33,6 +38,8 @@ pub struct Constant {
     pub name: String,
     /// SI.
     pub value: f64,
+    /// Power of the metre: 1 for a length, 0 for a ratio.
+    pub dimension: u8,
     /// What it is and where it stands: "link length of joint 2, table line 31".
     pub note: String,
 }
@@ -186,6 +193,8 @@ pub struct Stage {
     pub measure: Measure,
     /// The equation as text, for the generated comments: "px s1 - py c1 = d4".
     pub equation: String,
+    /// Abbreviations that the equation uses and that no earlier stage defined: (name, definition).
+    pub definitions: Vec<(String, String)>,
     /// Where it comes from: "row 2 of the position in frame 1".
     pub origin: String,
 }

@@ -9,7 +9,7 @@ mod report;
 
 use arguments::Arguments;
 use dh_build::Source;
-use dh_codegen::emit::rust::{Attached, Options, attach, stub};
+use dh_codegen::emit::rust::{Attached, Options, Outline, attach, stub};
 use dh_codegen::verify::Level;
 use item::Item;
 use proc_macro::TokenStream;
@@ -57,7 +57,7 @@ fn compile(arguments: &Arguments, options: &Options, report: &mut Report) -> Att
         Ok(source) => source,
         Err(error) => {
             report.diagnostic(&error.diagnostic(), "", error.name(), arguments);
-            return stub(None, options);
+            return stub(&Outline::default(), options);
         }
     };
     report.track(source.path.as_deref());
@@ -65,8 +65,8 @@ fn compile(arguments: &Arguments, options: &Options, report: &mut Report) -> Att
     for diagnostic in compilation.diagnostics.sorted() {
         report.diagnostic(diagnostic, &source.text, &source.name_shown, arguments);
     }
-    match (&compilation.model, &compilation.output) {
-        (Some(model), Some(output)) => attach(model, &output.plan, options),
-        (model, _) => stub(model.as_ref(), options),
+    match &compilation.output {
+        Some(output) => attach(&output.model, &output.plan, options),
+        None => stub(&compilation.outline, options),
     }
 }

@@ -21,7 +21,7 @@ mod targets;
 mod text;
 
 pub use names::struct_name;
-pub use stub::stub;
+pub use stub::{Outline, stub};
 
 use crate::model::Model;
 use crate::plan::{ConstantId, Function, FunctionKind, Plan};

@@ -28,8 +28,6 @@ pub struct Derivation {
     pub stages: Vec<Stage>,
     /// Every joint variable q.
     pub joints: Vec<Linear>,
-    /// `where` conditions.
-    pub filters: Vec<Condition>,
 }
 
 /// Sum of coefficient * root, and a constant.
@@ -39,17 +37,6 @@ pub struct Linear {
     pub terms: Vec<(usize, f64)>,
     /// rad or m
     pub constant: f64,
-}
-
-/// Sum of coefficient * value + constant <= 0, angles in (-pi, pi].
-#[derive(Debug, Clone, PartialEq)]
-pub struct Condition {
-    /// (coefficient, whether an angle, value of a row).
-    pub terms: Vec<(f64, bool, Linear)>,
-    /// rad or m
-    pub constant: f64,
-    /// < rather than <=.
-    pub strict: bool,
 }
 
 /// One step.
@@ -86,6 +73,17 @@ pub enum StageEquation {
     Linear([Expr; 2]),
     /// a x^2 + b x + c = 0
     Quadratic([Expr; 3]),
+}
+
+impl StageEquation {
+    /// In the order in which they are written above.
+    pub fn coefficients(&self) -> Vec<Expr> {
+        match self {
+            Self::Trig(list) | Self::Quadratic(list) => list.to_vec(),
+            Self::TrigPair(first, second) => [*first, *second].concat(),
+            Self::Linear(list) => list.to_vec(),
+        }
+    }
 }
 
 /// Why a problem has no solution of this kind.
@@ -134,7 +132,7 @@ pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
         found: Vec::new(),
     };
     match search::run(&arena, start) {
-        Ok(Some(end)) => Ok(writing::write(arena, model, problem, &unknowns, &end)),
+        Ok(Some(end)) => Ok(writing::write(arena, problem, &unknowns, &end)),
         _ => Err(Refusal::NoClosedForm),
     }
 }

@@ -4,17 +4,31 @@
 use super::paths::{Paths, Style};
 use super::text::Text;
 use super::{Attached, Generics, Options, Types, attach};
-use crate::model::{Model, Target};
+use crate::model::{
+    Angle, AngleUnit, Convention, JointKind, LengthUnit, Model, Placement, Problem, Rotation, Row, Target,
+    Units, Workspace,
+};
 use crate::plan::{Counts, Function, FunctionKind, Plan, Scalar};
 
-/// Functions of the right signatures that compute nothing, to go with an error. Without a model, those that any arm
-/// has, for any number of joints.
-pub fn stub(model: Option<&Model>, options: &Options) -> Attached {
-    let attached = match model {
-        Some(model) => attach(model, &hollow_plan(model), options),
-        None => Attached { documentation: String::new(), items: of_any_arm(options) },
+/// What could be read of a table.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Outline {
+    /// One a row: whether it is a joint (it may be held).
+    pub rows: Vec<bool>,
+    /// Names and targets of the inverse problems, without the full pose.
+    pub problems: Vec<(String, Target)>,
+}
+
+/// Functions of the right signatures that compute nothing, to go with an error. Where no row could be read, those that
+/// any arm has, for any number of joints.
+pub fn stub(outline: &Outline, options: &Options) -> Attached {
+    let items = if outline.rows.is_empty() {
+        of_any_arm(options)
+    } else {
+        let model = hollow_model(outline);
+        attach(&model, &hollow_plan(&model), options).items
     };
-    Attached { documentation: String::new(), ..attached }
+    Attached { documentation: String::new(), items }
 }
 
 /// Methods of an arm of which nothing is known.
@@ -52,6 +66,63 @@ fn of_any_arm(options: &Options) -> String {
     }
     text.close("}");
     text.into_string()
+}
+
+fn hollow_model(outline: &Outline) -> Model {
+    let nowhere = Placement { xyz: [0.0; 3], rotation: Rotation::Rpy([Angle::ZERO; 3]) };
+    let mut joints = Vec::new();
+    for (row, joint) in outline.rows.iter().enumerate() {
+        if *joint {
+            joints.push(row);
+        }
+    }
+    let row = |(i, joint): (usize, &bool)| Row {
+        name: format!("J{}", i + 1),
+        kind: JointKind::Revolute,
+        d: 0.0,
+        a: 0.0,
+        alpha: Angle::ZERO,
+        beta: Angle::ZERO,
+        theta: Angle::ZERO,
+        shift: 0.0,
+        terms: Vec::new(),
+        variable: joint.then_some(i),
+        limits: None,
+        max_velocity: None,
+        max_acceleration: None,
+        max_jerk: None,
+        servo: None,
+        span: 0..0,
+        line: 0,
+    };
+    let problem = |(name, target): &(String, Target)| Problem {
+        name: name.clone(),
+        target: *target,
+        constraints: Vec::new(),
+        filters: Vec::new(),
+        free: Vec::new(),
+        span: 0..0,
+        line: 0,
+    };
+    Model {
+        name: String::new(),
+        manufacturer: None,
+        source: None,
+        convention: Convention::Standard,
+        units: Units { length: LengthUnit::Metre, angle: AngleUnit::Radian },
+        rows: outline.rows.iter().enumerate().map(row).collect(),
+        joints,
+        base: nowhere.clone(),
+        tool: nowhere,
+        workspace: Workspace::default(),
+        sums: Vec::new(),
+        poses: Vec::new(),
+        problems: outline.problems.iter().map(problem).collect(),
+        windings: Vec::new(),
+        servos: Vec::new(),
+        device: None,
+        fingerprint: 0,
+    }
 }
 
 fn hollow_plan(model: &Model) -> Plan {

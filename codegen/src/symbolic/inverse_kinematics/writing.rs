@@ -4,8 +4,8 @@ use super::atoms::{AngleData, Source};
 use super::polynomial::{Atom, Key, Polynomial};
 use super::search::{Found, Solved, State, Unknown};
 use super::unknowns::{self, Form, Unknowns};
-use super::{Condition, Derivation, Linear, Stage, StageEquation};
-use crate::model::{Filter, JointKind, Model, Problem};
+use super::{Derivation, Linear, Stage, StageEquation};
+use crate::model::{JointKind, Problem};
 use crate::symbolic::angle::{AngleForm, Turn};
 use crate::symbolic::expression::{Arena, Expr, Leaf};
 use crate::symbolic::number::Number;
@@ -15,30 +15,16 @@ use std::collections::BTreeMap;
 /// Writes a solved problem.
 pub(super) fn write(
     arena: Arena,
-    model: &Model,
     problem: &Problem,
     unknowns: &Unknowns,
     end: &State,
 ) -> Derivation {
-    let mut writer = Writer { arena, unknowns, end, exprs: BTreeMap::new() };
+    let mut writer = Writer { arena, unknowns, end, exprs: BTreeMap::new(), defined: std::collections::BTreeSet::new() };
     let inputs = problem.target.input_names().iter().map(|name| writer.arena.leaf(name, Leaf::Known)).collect();
     let stages = end.found.iter().map(|found| writer.stage(found)).collect();
     let free = writer.free_by_roots();
     let joints = unknowns.joints.iter().map(|form| linear(form, &free)).collect();
-    let filters = problem.filters.iter().map(|filter| condition(filter, model, unknowns, &free)).collect();
-    Derivation { arena: writer.arena, inputs, stages, joints, filters }
-}
-
-fn condition(filter: &Filter, model: &Model, unknowns: &Unknowns, free: &[Linear]) -> Condition {
-    let term = |&(row, coefficient): &(usize, f64)| {
-        let angular = model.rows.get(row).is_some_and(|row| row.kind == JointKind::Revolute);
-        Some((coefficient, angular, linear(unknowns.rows.get(row)?, free)))
-    };
-    Condition {
-        terms: filter.form.terms.iter().filter_map(term).collect(),
-        constant: filter.form.constant.value,
-        strict: filter.strict,
-    }
+    Derivation { arena: writer.arena, inputs, stages, joints }
 }
 
 /// A form in the free variables, in terms of the roots.
@@ -66,6 +52,8 @@ struct Writer<'a> {
     unknowns: &'a Unknowns,
     end: &'a State,
     exprs: BTreeMap<Atom, Expr>,
+    /// Names of abbreviations that earlier steps defined.
+    defined: std::collections::BTreeSet<String>,
 }
 
 /// A factor of a term.
@@ -95,7 +83,8 @@ impl Writer<'_> {
             }
         };
         let equation = self.equation(&found.equation);
-        let (text, definitions) = self.text(&equation, &name);
+        let (text, mut definitions) = self.text(&equation, &name);
+        definitions.retain(|(name, _)| self.defined.insert(name.clone()));
         Stage {
             unknown: name,
             rows,
@@ -155,12 +144,7 @@ impl Writer<'_> {
                 format!("{} = 0", text::combination(arena, &[(*a, &square), (*b, unknown), (*c, "")]))
             }
         };
-        let roots: Vec<Expr> = match equation {
-            StageEquation::Trig(list) | StageEquation::Quadratic(list) => list.to_vec(),
-            StageEquation::TrigPair(first, second) => [*first, *second].concat(),
-            StageEquation::Linear(list) => list.to_vec(),
-        };
-        (written, text::definitions(arena, &roots))
+        (written, text::definitions(arena, &equation.coefficients()))
     }
 
     /// Which rows, with which sign, an angle is the sum of.
