@@ -21,8 +21,9 @@ impl Arguments {
     /// Reads what it can; what it cannot is a mistake and left out. `None` where there is no table.
     pub(crate) fn parse(tokens: TokenStream, report: &mut Report) -> Option<Self> {
         let mut tokens = tokens.into_iter();
-        let Some((path, span)) = tokens.next().and_then(|token| string(&token)) else {
-            report.mistake(USAGE, Span::call_site());
+        let table = tokens.next();
+        let Some((path, span)) = table.as_ref().and_then(string) else {
+            report.mistake(USAGE, table.map_or_else(Span::call_site, |token| token.span()));
             return None;
         };
         let types = if cfg!(feature = "nalgebra") { Types::Nalgebra } else { Types::Plain };
@@ -48,14 +49,18 @@ impl Arguments {
             ("scalar", Some("f64")) => self.scalar = ScalarType::F64,
             ("scalar", Some("f32")) => self.scalar = ScalarType::F32,
             ("types", Some("nalgebra")) if cfg!(feature = "nalgebra") => self.types = Types::Nalgebra,
-            ("types", Some("nalgebra")) => return Err("dh-runtime is built without its feature `nalgebra`".to_owned()),
+            ("types", Some("nalgebra")) => {
+                return Err("dh-runtime is built without its feature `nalgebra`".to_owned());
+            }
             ("types", Some("plain")) => self.types = Types::Plain,
             ("warnings", Some("on")) => self.warnings = true,
             ("warnings", Some("off")) => self.warnings = false,
             ("scalar", _) => return Err("`scalar` is \"f64\" or \"f32\"".to_owned()),
             ("types", _) => return Err("`types` is \"nalgebra\" or \"plain\"".to_owned()),
             ("warnings", _) => return Err("`warnings` is \"on\" or \"off\"".to_owned()),
-            _ => return Err(format!("dh_robot has no option `{name}`, but `scalar`, `types` and `warnings`")),
+            _ => {
+                return Err(format!("dh_robot has no option `{name}`, but `scalar`, `types` and `warnings`"));
+            }
         }
         Ok(())
     }
@@ -80,7 +85,11 @@ fn letters(literal: &Literal) -> Option<String> {
     let mut letters = String::new();
     while let Some(character) = characters.next() {
         // Paths and options need no other escapes.
-        letters.push(if character == '\\' { characters.next().filter(|c| "\\\"".contains(*c))? } else { character });
+        letters.push(if character == '\\' {
+            characters.next().filter(|c| "\\\"".contains(*c))?
+        } else {
+            character
+        });
     }
     Some(letters)
 }
