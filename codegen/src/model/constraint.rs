@@ -29,11 +29,7 @@ pub(super) struct Form {
 }
 
 /// `left = right`, as left - right = 0: the model's constant is on the right-hand side.
-pub(super) fn equation(
-    text: &Text,
-    joints: &Joints,
-    diagnostics: &mut Diagnostics,
-) -> Option<Form> {
+pub(super) fn equation(text: &Text, joints: &Joints, diagnostics: &mut Diagnostics) -> Option<Form> {
     let sides: Vec<Range<usize>> = split(&text.value, &["="]).0;
     let [left, right] = sides.as_slice() else {
         let message = if text.value.contains(['<', '>']) {
@@ -49,11 +45,8 @@ pub(super) fn equation(
         } else {
             "write `left = right`, such as \"theta4 = pi/2 - theta2 - theta3\""
         };
-        diagnostics.push(
-            Diagnostic::error(catalogue::BAD_CONSTRAINT, message)
-                .at(text.span.clone(), "")
-                .help(help),
-        );
+        diagnostics
+            .push(Diagnostic::error(catalogue::BAD_CONSTRAINT, message).at(text.span.clone(), "").help(help));
         return None;
     };
     let mut form = difference(text, left, right, joints, diagnostics)?;
@@ -63,55 +56,35 @@ pub(super) fn equation(
 }
 
 /// `left <= right` and its likes, as left - right <= 0.
-pub(super) fn inequality(
-    text: &Text,
-    joints: &Joints,
-    diagnostics: &mut Diagnostics,
-) -> Option<Filter> {
+pub(super) fn inequality(text: &Text, joints: &Joints, diagnostics: &mut Diagnostics) -> Option<Filter> {
     let (sides, operators) = split(&text.value, &["<=", ">=", "<", ">"]);
     let ([left, right], [operator]) = (sides.as_slice(), operators.as_slice()) else {
         let (message, help) = if operators.is_empty() && text.value.contains('=') {
-            (
-                "an equation stands among the inequalities",
-                "write it in `constraints = [...]`",
-            )
+            ("an equation stands among the inequalities", "write it in `constraints = [...]`")
         } else {
             (
                 "an entry of `where` is one inequality",
                 "write `left <= right`, such as \"theta3 <= 0\"; two bounds are two entries",
             )
         };
-        diagnostics.push(
-            Diagnostic::error(catalogue::BAD_CONSTRAINT, message)
-                .at(text.span.clone(), "")
-                .help(help),
-        );
+        diagnostics
+            .push(Diagnostic::error(catalogue::BAD_CONSTRAINT, message).at(text.span.clone(), "").help(help));
         return None;
     };
-    let (least, greatest) = if operator.starts_with('<') {
-        (left, right)
-    } else {
-        (right, left)
-    };
+    let (least, greatest) = if operator.starts_with('<') { (left, right) } else { (right, left) };
     let form = difference(text, least, greatest, joints, diagnostics)?;
     if form.linear.terms.is_empty() {
         diagnostics.push(says_nothing(text));
         return None;
     }
-    Some(Filter {
-        form: form.linear,
-        strict: !operator.ends_with('='),
-    })
+    Some(Filter { form: form.linear, strict: !operator.ends_with('=') })
 }
 
 /// No joint is left in it.
 pub(super) fn says_nothing(text: &Text) -> Diagnostic {
-    Diagnostic::error(
-        catalogue::REDUNDANT,
-        "no joint is left in it, so it says nothing",
-    )
-    .at(text.span.clone(), "")
-    .help("leave it out")
+    Diagnostic::error(catalogue::REDUNDANT, "no joint is left in it, so it says nothing")
+        .at(text.span.clone(), "")
+        .help("leave it out")
 }
 
 /// The parts between operators, and the operators.
@@ -119,10 +92,7 @@ fn split<'a>(text: &str, operators: &[&'a str]) -> (Vec<Range<usize>>, Vec<&'a s
     let (mut parts, mut found) = (Vec::new(), Vec::new());
     let (mut start, mut at) = (0, 0);
     while let Some(rest) = text.get(at..).filter(|rest| !rest.is_empty()) {
-        if let Some(operator) = operators
-            .iter()
-            .find(|operator| rest.starts_with(**operator))
-        {
+        if let Some(operator) = operators.iter().find(|operator| rest.starts_with(**operator)) {
             parts.push(start..at);
             found.push(*operator);
             at += operator.len();
@@ -143,10 +113,7 @@ fn difference(
     diagnostics: &mut Diagnostics,
 ) -> Option<Form> {
     let find = |name: &str, span: Span| variable(name, span, joints);
-    let scope = Scope {
-        radians_per_angle: joints.units.radians_per_angle(),
-        variable: &find,
-    };
+    let scope = Scope { radians_per_angle: joints.units.radians_per_angle(), variable: &find };
     let mut sides = [left, right].map(|side| match evaluate_part(text, side.clone(), &scope) {
         Ok(value) => Some(value),
         Err(diagnostic) => {
@@ -195,32 +162,23 @@ fn variable(name: &str, span: Span, joints: &Joints) -> Result<usize, Box<Diagno
     if let (Some((letter, number)), Some(named)) = (numbered, named)
         && !(letter == "q" && number == named + 1)
     {
-        let message = format!(
-            "`{name}` is both {letter} of joint {number} and the name of joint {}",
-            named + 1
-        );
+        let message =
+            format!("`{name}` is both {letter} of joint {number} and the name of joint {}", named + 1);
         let ambiguous = Diagnostic::error(catalogue::UNKNOWN_VARIABLE, message)
             .at(span, "")
             .help(format!("give joint {} another name", named + 1));
         return Err(Box::new(ambiguous));
     }
-    let Some((letter, index)) = numbered
-        .map(|(letter, number)| (letter, number - 1))
-        .or(named.map(|row| ("q", row)))
+    let Some((letter, index)) =
+        numbered.map(|(letter, number)| (letter, number - 1)).or(named.map(|row| ("q", row)))
     else {
         return Err(Box::new(unknown_variable(name, span, rows)));
     };
     let Some(row) = rows.get(index) else {
-        let message = format!(
-            "`{name}`: there is no joint {}, the table has {}",
-            index + 1,
-            rows.len()
-        );
+        let message = format!("`{name}`: there is no joint {}, the table has {}", index + 1, rows.len());
         let help = "joints are numbered from 1 by their rows, held ones included";
         return Err(Box::new(
-            Diagnostic::error(catalogue::UNKNOWN_VARIABLE, message)
-                .at(span, "")
-                .help(help),
+            Diagnostic::error(catalogue::UNKNOWN_VARIABLE, message).at(span, "").help(help),
         ));
     };
     match (letter, row.kind, row.variable) {
@@ -228,21 +186,13 @@ fn variable(name: &str, span: Span, joints: &Joints) -> Result<usize, Box<Diagno
         ("q", _, None) => Err(Box::new(names::held(row, name, span))),
         ("theta", JointKind::Revolute, _) | ("d", JointKind::Prismatic, _) => Ok(index),
         (_, kind, _) => {
-            let (kind, right) = if kind == JointKind::Revolute {
-                ("revolute", "theta")
-            } else {
-                ("prismatic", "d")
-            };
+            let (kind, right) =
+                if kind == JointKind::Revolute { ("revolute", "theta") } else { ("prismatic", "d") };
             let number = index + 1;
-            let message = format!(
-                "`{name}` is fixed: joint {number} is {kind}, so what varies is {right}{number}"
-            );
+            let message =
+                format!("`{name}` is fixed: joint {number} is {kind}, so what varies is {right}{number}");
             let help = format!("write `{right}{number}`");
-            Err(Box::new(
-                Diagnostic::error(catalogue::UNKNOWN_VARIABLE, message)
-                    .at(span, "")
-                    .help(help),
-            ))
+            Err(Box::new(Diagnostic::error(catalogue::UNKNOWN_VARIABLE, message).at(span, "").help(help)))
         }
     }
 }
@@ -256,49 +206,35 @@ fn unknown_variable(name: &str, span: Span, rows: &[Row]) -> Diagnostic {
         .chain(rows.iter().map(|row| row.name.clone()))
         .chain(["pi".to_owned()])
         .collect();
-    let diagnostic = Diagnostic::error(
-        catalogue::UNKNOWN_VARIABLE,
-        format!("`{}` is no variable", shortened(name)),
-    )
-    .at(span, "");
+    let diagnostic =
+        Diagnostic::error(catalogue::UNKNOWN_VARIABLE, format!("`{}` is no variable", shortened(name)))
+            .at(span, "");
     match nearest(name, known.iter().map(String::as_str)) {
         Some(near) => diagnostic.help(format!("write `{near}`")),
-        None => diagnostic.help("variables are theta1, theta2, ... (d1, ... of prismatic joints), q1, q2, ... and joint names"),
+        None => diagnostic.help(
+            "variables are theta1, theta2, ... (d1, ... of prismatic joints), q1, q2, ... and joint names",
+        ),
     }
 }
 
 /// A value in both kinds of variables as a form in each.
-fn form(
-    text: &Text,
-    value: &Value,
-    joints: &Joints,
-    diagnostics: &mut Diagnostics,
-) -> Option<Form> {
+fn form(text: &Text, value: &Value, joints: &Joints, diagnostics: &mut Diagnostics) -> Option<Form> {
     let rows = joints.rows;
     let row_of = |variable: usize| match variable.checked_sub(rows.len()) {
         None => Some(variable),
         Some(q) => joints.joints.get(q).copied(),
     };
-    let kinds: Vec<JointKind> = value
-        .terms
-        .keys()
-        .filter_map(|variable| rows.get(row_of(*variable)?))
-        .map(|row| row.kind)
-        .collect();
-    let lengths =
-        kinds.contains(&JointKind::Prismatic) || (kinds.is_empty() && value.length.is_some());
-    let angles =
-        kinds.contains(&JointKind::Revolute) || (kinds.is_empty() && value.angle.is_some());
+    let kinds: Vec<JointKind> =
+        value.terms.keys().filter_map(|variable| rows.get(row_of(*variable)?)).map(|row| row.kind).collect();
+    let lengths = kinds.contains(&JointKind::Prismatic) || (kinds.is_empty() && value.length.is_some());
+    let angles = kinds.contains(&JointKind::Revolute) || (kinds.is_empty() && value.angle.is_some());
     let bare = value.bare.filter(|bare| *bare != 0.0);
     let other = if lengths { value.angle } else { value.length };
     if (lengths && angles) || other.is_some_and(|other| other != 0.0) {
         let message = "an angle and a length are added";
         let help = "theta and q of revolute joints are angles, d and q of prismatic ones lengths";
-        diagnostics.push(
-            Diagnostic::error(catalogue::WRONG_UNIT, message)
-                .at(text.span.clone(), "")
-                .help(help),
-        );
+        diagnostics
+            .push(Diagnostic::error(catalogue::WRONG_UNIT, message).at(text.span.clone(), "").help(help));
         return None;
     }
     let written = if lengths { value.length } else { value.angle };
@@ -308,10 +244,7 @@ fn form(
     }
     let exact_or_not = |value: f64| {
         if lengths {
-            Angle {
-                value,
-                fifteenths: (value == 0.0).then_some(0),
-            }
+            Angle { value, fifteenths: (value == 0.0).then_some(0) }
         } else {
             Angle::from_radians(value)
         }
@@ -326,25 +259,13 @@ fn form(
     let mut in_q = (vec![0.0; size], constant.value);
     let mut terms: BTreeMap<usize, f64> = BTreeMap::new();
     let at_zero = |row: &Row| {
-        if row.kind == JointKind::Revolute {
-            row.theta
-        } else {
-            exact_or_not(row.d)
-        }
+        if row.kind == JointKind::Revolute { row.theta } else { exact_or_not(row.d) }
     };
     let sum = |one: Angle, two: Angle| {
-        if lengths {
-            exact_or_not(one.value + two.value)
-        } else {
-            one.plus(two)
-        }
+        if lengths { exact_or_not(one.value + two.value) } else { one.plus(two) }
     };
     let product = |angle: Angle, factor: f64| {
-        if lengths {
-            exact_or_not(angle.value * factor)
-        } else {
-            angle.times(factor)
-        }
+        if lengths { exact_or_not(angle.value * factor) } else { angle.times(factor) }
     };
     for (&variable, &coefficient) in &value.terms {
         if let Some(q) = variable.checked_sub(rows.len()) {
@@ -355,10 +276,7 @@ fn form(
             for (&inverse, &index) in joints.inverse.get(q)?.iter().zip(joints.joints) {
                 if inverse != 0.0 {
                     *terms.entry(index).or_insert(0.0) += coefficient * inverse;
-                    constant = sum(
-                        constant,
-                        product(at_zero(rows.get(index)?), -coefficient * inverse),
-                    );
+                    constant = sum(constant, product(at_zero(rows.get(index)?), -coefficient * inverse));
                 }
             }
         } else {
@@ -374,10 +292,7 @@ fn form(
             }
         }
     }
-    let largest = value
-        .terms
-        .values()
-        .fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let largest = value.terms.values().fold(0.0_f64, |largest, value| largest.max(value.abs()));
     terms.retain(|_, coefficient| coefficient.abs() > 1e-12 * largest);
     let linear = Linear {
         terms: terms.into_iter().collect(),
@@ -385,9 +300,5 @@ fn form(
         text: text.value.clone(),
         span: text.span.clone(),
     };
-    Some(Form {
-        linear,
-        in_q,
-        of_angles: !lengths,
-    })
+    Some(Form { linear, in_q, of_angles: !lengths })
 }

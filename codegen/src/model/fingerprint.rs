@@ -22,11 +22,7 @@ pub(super) fn of(model: &Model) -> u64 {
         hash.value(bound.value);
     });
     hash.list(&model.workspace.keep_out, |hash, forbidden| {
-        forbidden
-            .min
-            .iter()
-            .chain(&forbidden.max)
-            .for_each(|value| hash.value(*value));
+        forbidden.min.iter().chain(&forbidden.max).for_each(|value| hash.value(*value));
     });
     hash.list(&model.sums, |hash, sum| {
         hash.terms(&sum.terms);
@@ -106,13 +102,7 @@ impl Hash {
             JointKind::Revolute => 1,
             JointKind::Prismatic => 2,
         });
-        for value in [
-            row.d,
-            row.a,
-            row.alpha.value,
-            row.beta.value,
-            row.theta.value,
-        ] {
+        for value in [row.d, row.a, row.alpha.value, row.beta.value, row.theta.value] {
             self.value(value);
         }
         self.terms(&row.terms);
@@ -144,12 +134,10 @@ impl Hash {
     fn placement(&mut self, placement: &Placement) {
         placement.xyz.iter().for_each(|value| self.value(*value));
         match &placement.rotation {
-            Rotation::Rpy(angles) => {
-                self.list(angles, |hash, angle: &Angle| hash.value(angle.value))
+            Rotation::Rpy(angles) => self.list(angles, |hash, angle: &Angle| hash.value(angle.value)),
+            Rotation::Matrix(rows) => {
+                self.list(rows, |hash, row| row.iter().for_each(|value| hash.value(*value)))
             }
-            Rotation::Matrix(rows) => self.list(rows, |hash, row| {
-                row.iter().for_each(|value| hash.value(*value))
-            }),
         }
     }
 

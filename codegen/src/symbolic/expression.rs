@@ -86,7 +86,7 @@ impl Arena {
     /// An exact constant.
     pub fn number(&mut self, number: Number) -> Expr {
         if number.is_negative() {
-            let positive = self.intern(Node::Number(number.neg()));
+            let positive = self.intern(Node::Number(-number));
             return self.intern(Node::Neg(positive));
         }
         self.intern(Node::Number(number))
@@ -126,7 +126,7 @@ impl Arena {
         if form.terms.is_empty() {
             return self.constant_sin_cos(suffix, form);
         }
-        let negated = form.neg();
+        let negated = form.negated();
         let found = self.angles.iter().position(|(_, known)| known == form || *known == negated);
         let at = found.unwrap_or_else(|| {
             self.angles.push((suffix.to_string(), form.clone()));
@@ -143,7 +143,8 @@ impl Arena {
         }
         let angle = form.turn.value();
         let sin = self.parameter(&format!("s{suffix}"), libm::sin(angle), 0, &format!("sine of {angle} rad"));
-        let cos = self.parameter(&format!("c{suffix}"), libm::cos(angle), 0, &format!("cosine of {angle} rad"));
+        let cos =
+            self.parameter(&format!("c{suffix}"), libm::cos(angle), 0, &format!("cosine of {angle} rad"));
         (sin, cos)
     }
 
@@ -165,7 +166,7 @@ impl Arena {
             return x;
         }
         if let (Some(a), Some(b)) = (self.as_number(x), self.as_number(y))
-            && let Some(sum) = a.add(b)
+            && let Some(sum) = a.checked_add(b)
         {
             return self.number(sum);
         }
@@ -178,8 +179,11 @@ impl Arena {
             let double = self.mul(two, x);
             return self.signed(x_sign, double);
         }
-        let ((first_sign, first), (second_sign, second)) =
-            if self.order(x) < self.order(y) { ((x_sign, x), (y_sign, y)) } else { ((y_sign, y), (x_sign, x)) };
+        let ((first_sign, first), (second_sign, second)) = if self.order(x) < self.order(y) {
+            ((x_sign, x), (y_sign, y))
+        } else {
+            ((y_sign, y), (x_sign, x))
+        };
         let second = if first_sign == second_sign { second } else { self.neg(second) };
         let sum = self.intern(Node::Add(first, second));
         self.signed(first_sign, sum)
@@ -203,7 +207,7 @@ impl Arena {
             return x;
         }
         if let (Some(a), Some(b)) = (self.as_number(x), self.as_number(y))
-            && let Some(product) = a.mul(b)
+            && let Some(product) = a.checked_mul(b)
         {
             return self.number(product);
         }
@@ -342,7 +346,7 @@ impl Arena {
         match self.node(x) {
             Node::Number(number) => Some(number),
             Node::Neg(inner) => match self.node(inner) {
-                Node::Number(number) => Some(number.neg()),
+                Node::Number(number) => Some(-number),
                 _ => None,
             },
             _ => None,

@@ -58,13 +58,12 @@ fn column(arena: &mut Arena, model: &Model, twists: &[(usize, Twist)], variable:
 }
 
 fn factor(arena: &mut Arena, row: usize, variable: usize, coefficient: f64) -> Expr {
-    match super::number::Number::from_f64(coefficient) {
-        Some(number) => arena.number(number),
-        None => {
-            let name = format!("k{}_{}", row + 1, variable + 1);
-            arena.parameter(&name, coefficient, 0, &format!("coupling of joint {} to q{}", row + 1, variable + 1))
-        }
+    if let Some(number) = super::number::Number::from_f64(coefficient) {
+        return arena.number(number);
     }
+    let (joint, number) = (row + 1, variable + 1);
+    let note = format!("coupling of joint {joint} to q{number}");
+    arena.parameter(&format!("k{joint}_{number}"), coefficient, 0, &note)
 }
 
 /// What is known before any column is written.
@@ -141,7 +140,13 @@ fn cheapest(arena: &mut Arena, way: &Way<'_>, joint: &Joint, arm: Vec3, wanted: 
     least.unwrap_or(first).1
 }
 
-fn twist(arena: &mut Arena, way: &Way<'_>, joint: &Joint, arm: Vec3, (angular, linear): (Route, Route)) -> Twist {
+fn twist(
+    arena: &mut Arena,
+    way: &Way<'_>,
+    joint: &Joint,
+    arm: Vec3,
+    (angular, linear): (Route, Route),
+) -> Twist {
     let (zero, one) = (arena.zero(), arena.one());
     let along = if joint.flipped { arena.neg(one) } else { one };
     let axis = way.route(arena, angular, [zero, zero, along]);

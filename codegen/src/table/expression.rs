@@ -36,17 +36,12 @@ pub struct Scope<'a> {
 impl Scope<'_> {
     /// Numbers only.
     pub fn of_numbers(radians_per_angle: f64) -> Scope<'static> {
-        Scope {
-            radians_per_angle,
-            variable: &no_variables,
-        }
+        Scope { radians_per_angle, variable: &no_variables }
     }
 }
 
 fn no_variables(name: &str, span: Range<usize>) -> Result<usize, Box<Diagnostic>> {
-    let known = [
-        "pi", "sqrt", "sin", "cos", "tan", "acos", "asin", "atan", "atan2",
-    ];
+    let known = ["pi", "sqrt", "sin", "cos", "tan", "acos", "asin", "atan", "atan2"];
     let mut diagnostic = Diagnostic::error(
         catalogue::BAD_EXPRESSION,
         format!("`{}` means nothing in an expression", shortened(name)),
@@ -73,24 +68,11 @@ pub fn evaluate(text: &Text, scope: &Scope) -> Result<Value, Box<Diagnostic>> {
 ///
 /// # Errors
 /// A diagnostic, where the part is no expression or has no value.
-pub fn evaluate_part(
-    text: &Text,
-    part: Range<usize>,
-    scope: &Scope,
-) -> Result<Value, Box<Diagnostic>> {
-    let mut reader = Reader {
-        lexer: Lexer::new(text, part),
-        text,
-        scope,
-        depth: 0,
-    };
+pub fn evaluate_part(text: &Text, part: Range<usize>, scope: &Scope) -> Result<Value, Box<Diagnostic>> {
+    let mut reader = Reader { lexer: Lexer::new(text, part), text, scope, depth: 0 };
     let mut value = reader.sum()?;
     let token = reader.lexer.next();
-    let unit = if token.kind == TokenKind::Name {
-        Unit::named(reader.lexer.of(&token))
-    } else {
-        None
-    };
+    let unit = if token.kind == TokenKind::Name { Unit::named(reader.lexer.of(&token)) } else { None };
     match unit {
         Some(unit) if reader.lexer.peek().kind == TokenKind::End => {
             reader.convert(&mut value, unit, &token)?;
@@ -98,21 +80,13 @@ pub fn evaluate_part(
         _ if token.kind == TokenKind::End => {}
         _ => return Err(reader.unexpected(&token, "an operator (+ - * /) or the end")),
     }
-    let numbers = [value.bare, value.angle, value.length]
-        .into_iter()
-        .flatten();
-    if numbers
-        .chain(value.terms.values().copied())
-        .all(f64::is_finite)
-    {
+    let numbers = [value.bare, value.angle, value.length].into_iter().flatten();
+    if numbers.chain(value.terms.values().copied()).all(f64::is_finite) {
         return Ok(value);
     }
     Err(Box::new(
-        Diagnostic::error(
-            catalogue::NOT_FINITE,
-            "the expression is not a finite number",
-        )
-        .at(text.span.clone(), ""),
+        Diagnostic::error(catalogue::NOT_FINITE, "the expression is not a finite number")
+            .at(text.span.clone(), ""),
     ))
 }
 
@@ -215,21 +189,14 @@ impl Reader<'_> {
                 let number = self.lexer.of(&token).parse::<f64>();
                 match number {
                     Ok(number) if number.is_finite() => Ok(Value::of(number)),
-                    Ok(_) => Err(self.refuse(
-                        catalogue::NOT_FINITE,
-                        "the number is too large",
-                        &token.at,
-                    )),
+                    Ok(_) => Err(self.refuse(catalogue::NOT_FINITE, "the number is too large", &token.at)),
                     Err(_) => Err(self.unexpected(&token, "a number")),
                 }
             }
             TokenKind::Name => {
                 let name = self.lexer.of(&token);
                 if name == "pi" {
-                    return Ok(Value {
-                        angle: Some(core::f64::consts::PI),
-                        ..Value::default()
-                    });
+                    return Ok(Value { angle: Some(core::f64::consts::PI), ..Value::default() });
                 }
                 if self.lexer.peek().kind == TokenKind::Open {
                     return self.call(name, &token);
@@ -238,10 +205,7 @@ impl Reader<'_> {
                     return Err(self.unexpected(&token, "a number before its unit"));
                 }
                 let variable = (self.scope.variable)(name, self.text.place(&token.at))?;
-                Ok(Value {
-                    terms: BTreeMap::from([(variable, 1.0)]),
-                    ..Value::default()
-                })
+                Ok(Value { terms: BTreeMap::from([(variable, 1.0)]), ..Value::default() })
             }
             TokenKind::Open => {
                 self.enter(&token)?;
@@ -256,11 +220,7 @@ impl Reader<'_> {
     fn enter(&mut self, token: &Token) -> Result<(), Box<Diagnostic>> {
         self.depth += 1;
         if self.depth > DEEPEST {
-            return Err(self.refuse(
-                catalogue::BAD_EXPRESSION,
-                "parentheses are nested too deep",
-                &token.at,
-            ));
+            return Err(self.refuse(catalogue::BAD_EXPRESSION, "parentheses are nested too deep", &token.at));
         }
         Ok(())
     }
@@ -280,12 +240,10 @@ impl Reader<'_> {
         if !known.contains(&name) {
             let message = format!("`{}` is not a function", shortened(name));
             let mut diagnostic = self.refuse(catalogue::BAD_EXPRESSION, &message, &token.at);
-            diagnostic
-                .help
-                .push(match crate::diagnostic::nearest(name, known) {
-                    Some(near) => format!("write `{near}`"),
-                    None => format!("the functions are {}", known.join(", ")),
-                });
+            diagnostic.help.push(match crate::diagnostic::nearest(name, known) {
+                Some(near) => format!("write `{near}`"),
+                None => format!("the functions are {}", known.join(", ")),
+            });
             return Err(diagnostic);
         }
         let open = self.lexer.next();
@@ -294,24 +252,15 @@ impl Reader<'_> {
         if name == "atan2" {
             let comma = self.lexer.next();
             if comma.kind != TokenKind::Comma {
-                return Err(
-                    self.unexpected(&comma, "`,` and the second argument, as in `atan2(y, x)`")
-                );
+                return Err(self.unexpected(&comma, "`,` and the second argument, as in `atan2(y, x)`"));
             }
             let second = self.sum()?;
             self.close()?;
             let (y, x) = self.alike(&first, &second, token)?;
             if x == 0.0 && y == 0.0 {
-                return Err(self.refuse(
-                    catalogue::NO_VALUE,
-                    "atan2(0, 0) has no value",
-                    &token.at,
-                ));
+                return Err(self.refuse(catalogue::NO_VALUE, "atan2(0, 0) has no value", &token.at));
             }
-            return Ok(Value {
-                angle: Some(libm::atan2(y, x)),
-                ..Value::default()
-            });
+            return Ok(Value { angle: Some(libm::atan2(y, x)), ..Value::default() });
         }
         self.close()?;
         self.function(name, &first, token)
@@ -334,28 +283,15 @@ impl Reader<'_> {
             _ => false,
         };
         if outside {
-            let range = if name == "sqrt" {
-                "0 or more"
-            } else {
-                "-1 to 1"
-            };
+            let range = if name == "sqrt" { "0 or more" } else { "-1 to 1" };
             let message = format!("`{name}` of {x} has no value: it takes {range}");
             return Err(self.refuse(catalogue::NO_VALUE, &message, &token.at));
         }
         Ok(match name {
             "sqrt" => Value::of(libm::sqrt(x)),
-            "acos" => Value {
-                angle: Some(libm::acos(x)),
-                ..Value::default()
-            },
-            "asin" => Value {
-                angle: Some(libm::asin(x)),
-                ..Value::default()
-            },
-            _ => Value {
-                angle: Some(libm::atan(x)),
-                ..Value::default()
-            },
+            "acos" => Value { angle: Some(libm::acos(x)), ..Value::default() },
+            "asin" => Value { angle: Some(libm::asin(x)), ..Value::default() },
+            _ => Value { angle: Some(libm::atan(x)), ..Value::default() },
         })
     }
 
@@ -374,11 +310,9 @@ impl Reader<'_> {
         match name {
             "sin" => Ok(Value::of(sine)),
             "cos" => Ok(Value::of(cosine)),
-            _ if cosine == 0.0 => Err(self.refuse(
-                catalogue::NO_VALUE,
-                "the tangent has no value there",
-                &token.at,
-            )),
+            _ if cosine == 0.0 => {
+                Err(self.refuse(catalogue::NO_VALUE, "the tangent has no value there", &token.at))
+            }
             _ => Ok(Value::of(sine / cosine)),
         }
     }
@@ -388,8 +322,7 @@ impl Reader<'_> {
             (_, Some(factor)) => (left.clone(), factor),
             (Some(factor), None) => (right.clone(), factor),
             _ if left.terms.is_empty() && right.terms.is_empty() => {
-                let message =
-                    "the product of two quantities with dimensions is no length and no angle";
+                let message = "the product of two quantities with dimensions is no length and no angle";
                 return Err(self.refuse(catalogue::WRONG_UNIT, message, &operator.at));
             }
             _ => {
@@ -409,50 +342,34 @@ impl Reader<'_> {
         }
         if let Some(divisor) = right.only_bare() {
             if divisor == 0.0 {
-                return Err(self.refuse(
-                    catalogue::NO_VALUE,
-                    "the expression divides by zero",
-                    &operator.at,
-                ));
+                return Err(self.refuse(catalogue::NO_VALUE, "the expression divides by zero", &operator.at));
             }
             let mut value = left.clone();
             value.divide(divisor);
             return Ok(value);
         }
         if !left.terms.is_empty() {
-            return Err(self.not_linear(
-                "a joint is divided by something that is not a plain number",
-                &operator.at,
-            ));
+            return Err(
+                self.not_linear("a joint is divided by something that is not a plain number", &operator.at)
+            );
         }
         let (above, below) = self.alike(left, right, operator)?;
         if below == 0.0 {
-            return Err(self.refuse(
-                catalogue::NO_VALUE,
-                "the expression divides by zero",
-                &operator.at,
-            ));
+            return Err(self.refuse(catalogue::NO_VALUE, "the expression divides by zero", &operator.at));
         }
         Ok(Value::of(above / below))
     }
 
     /// Two quantities of one dimension.
-    fn alike(
-        &self,
-        left: &Value,
-        right: &Value,
-        token: &Token,
-    ) -> Result<(f64, f64), Box<Diagnostic>> {
+    fn alike(&self, left: &Value, right: &Value, token: &Token) -> Result<(f64, f64), Box<Diagnostic>> {
         if !(left.terms.is_empty() && right.terms.is_empty()) {
             return Err(self.not_linear("a joint stands where only numbers may", &token.at));
         }
         match (left.only_part(), right.only_part()) {
             (Some((one, left)), Some((two, right))) if one == two => Ok((left, right)),
-            _ => Err(self.refuse(
-                catalogue::MIXED_UNITS,
-                "the two sides are not of one dimension",
-                &token.at,
-            )),
+            _ => {
+                Err(self.refuse(catalogue::MIXED_UNITS, "the two sides are not of one dimension", &token.at))
+            }
         }
     }
 
@@ -468,27 +385,20 @@ impl Reader<'_> {
                 &token.at,
             );
             if value.angle.is_some() {
-                refused.help.push("pi is half a turn whatever the units: leave the unit out, or write the number for it".into());
+                refused.help.push(
+                    "pi is half a turn whatever the units: leave the unit out, or write the number for it"
+                        .into(),
+                );
             }
             return Err(refused);
         };
         let converted = match unit {
-            Unit::Metre => Value {
-                length: Some(bare),
-                ..Value::default()
-            },
-            Unit::Millimetre => Value {
-                length: Some(bare / 1000.0),
-                ..Value::default()
-            },
-            Unit::Radian => Value {
-                angle: Some(bare),
-                ..Value::default()
-            },
-            Unit::Degree => Value {
-                angle: Some(crate::model::Angle::from_degrees(bare).value),
-                ..Value::default()
-            },
+            Unit::Metre => Value { length: Some(bare), ..Value::default() },
+            Unit::Millimetre => Value { length: Some(bare / 1000.0), ..Value::default() },
+            Unit::Radian => Value { angle: Some(bare), ..Value::default() },
+            Unit::Degree => {
+                Value { angle: Some(crate::model::Angle::from_degrees(bare).value), ..Value::default() }
+            }
         };
         value.add(&converted, 1.0);
         Ok(())
@@ -499,12 +409,12 @@ impl Reader<'_> {
     }
 
     fn not_linear(&self, why: &str, at: &Range<usize>) -> Box<Diagnostic> {
-        let mut diagnostic = self.refuse(
-            catalogue::NOT_LINEAR,
-            &format!("not linear in the joints: {why}"),
-            at,
+        let mut diagnostic =
+            self.refuse(catalogue::NOT_LINEAR, &format!("not linear in the joints: {why}"), at);
+        diagnostic.help.push(
+            "write a sum of joints times numbers, and a number, such as `theta4 = pi/2 - theta2 - theta3`"
+                .into(),
         );
-        diagnostic.help.push("write a sum of joints times numbers, and a number, such as `theta4 = pi/2 - theta2 - theta3`".into());
         diagnostic
     }
 
@@ -517,15 +427,10 @@ impl Reader<'_> {
             TokenKind::End => "the expression ends".to_owned(),
             _ => format!("`{}` stands", shortened(self.lexer.of(token))),
         };
-        let mut diagnostic = self.refuse(
-            catalogue::BAD_EXPRESSION,
-            &format!("{found} where {wanted} is wanted"),
-            &token.at,
-        );
+        let mut diagnostic =
+            self.refuse(catalogue::BAD_EXPRESSION, &format!("{found} where {wanted} is wanted"), &token.at);
         if token.kind == TokenKind::Power {
-            diagnostic
-                .help
-                .push("there are no powers: write `x*x` or `sqrt(x)`".into());
+            diagnostic.help.push("there are no powers: write `x*x` or `sqrt(x)`".into());
         }
         Box::new(*diagnostic)
     }
@@ -551,10 +456,7 @@ enum Part {
 
 impl Value {
     fn of(number: f64) -> Value {
-        Value {
-            bare: Some(number),
-            ..Value::default()
-        }
+        Value { bare: Some(number), ..Value::default() }
     }
 
     /// The number, where there is nothing else.
@@ -597,10 +499,7 @@ impl Value {
     }
 
     fn each(&mut self, change: impl Fn(&mut f64)) {
-        for part in [&mut self.bare, &mut self.angle, &mut self.length]
-            .into_iter()
-            .flatten()
-        {
+        for part in [&mut self.bare, &mut self.angle, &mut self.length].into_iter().flatten() {
             change(part);
         }
         self.terms.values_mut().for_each(change);

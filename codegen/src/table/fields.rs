@@ -30,9 +30,7 @@ impl<'a> Fields<'a> {
     }
 
     pub(super) fn key_span(&self, key: &str) -> Span {
-        self.table
-            .get_key_value(key)
-            .map_or(0..0, |(key, _)| key.span())
+        self.table.get_key_value(key).map_or(0..0, |(key, _)| key.span())
     }
 
     /// Keys and values in the order of the text.
@@ -66,11 +64,7 @@ impl Reader<'_> {
             self.wrong_type(place, value, "a table of keys");
             return None;
         };
-        Some(Fields {
-            table,
-            span: value.span().start..end_of(value).max(value.span().end),
-            place,
-        })
+        Some(Fields { table, span: value.span().start..end_of(value).max(value.span().end), place })
     }
 
     /// Reports keys that are not among the known ones.
@@ -103,12 +97,9 @@ impl Reader<'_> {
         let value = fields.value(key);
         if value.is_none() && self.complete {
             self.diagnostics.push(
-                Diagnostic::error(
-                    catalogue::MISSING_KEY,
-                    format!("{} has no `{key}`", fields.place),
-                )
-                .at(self.first_line(&fields.span), "")
-                .help(format!("write `{key} = {example}`")),
+                Diagnostic::error(catalogue::MISSING_KEY, format!("{} has no `{key}`", fields.place))
+                    .at(self.first_line(&fields.span), "")
+                    .help(format!("write `{key} = {example}`")),
             );
         }
         value
@@ -149,20 +140,12 @@ impl Reader<'_> {
             let inside = raw.get(quotes..raw.len().checked_sub(quotes)?)?;
             (inside == string).then_some(span.start + quotes)
         });
-        Text {
-            value: string.to_owned(),
-            span,
-            base,
-        }
+        Text { value: string.to_owned(), span, base }
     }
 
     /// The name that a key is.
     pub(super) fn key_text(key: &Spanned<DeString>) -> Text {
-        Text {
-            value: key.get_ref().to_string(),
-            span: key.span(),
-            base: None,
-        }
+        Text { value: key.get_ref().to_string(), span: key.span(), base: None }
     }
 
     pub(super) fn flag(&mut self, fields: &Fields, key: &str) -> Option<bool> {
@@ -192,20 +175,12 @@ impl Reader<'_> {
             }
             DeValue::Float(float) => (float.as_str().parse::<f64>().ok(), float.as_str()),
             _ => {
-                self.wrong_type(
-                    &format!("`{key}`"),
-                    value,
-                    "a number, or an expression in quotes",
-                );
+                self.wrong_type(&format!("`{key}`"), value, "a number, or an expression in quotes");
                 return None;
             }
         };
         if let Some(number) = number.filter(|number: &f64| number.is_finite()) {
-            return Some(Number::Literal {
-                value: number,
-                digits: digits.to_owned(),
-                span,
-            });
+            return Some(Number::Literal { value: number, digits: digits.to_owned(), span });
         }
         self.diagnostics.push(
             Diagnostic::error(
@@ -213,20 +188,13 @@ impl Reader<'_> {
                 format!("`{}` is not a finite number", shortened(digits)),
             )
             .at(span, "")
-            .help(format!(
-                "write a number, or leave `{key}` out if there is none"
-            )),
+            .help(format!("write a number, or leave `{key}` out if there is none")),
         );
         None
     }
 
     /// A list of so many numbers.
-    pub(super) fn numbers(
-        &mut self,
-        fields: &Fields,
-        key: &str,
-        meanings: &[&str],
-    ) -> Option<Numbers> {
+    pub(super) fn numbers(&mut self, fields: &Fields, key: &str, meanings: &[&str]) -> Option<Numbers> {
         let value = fields.value(key)?;
         let numbers = self.numbers_of(key, value)?;
         if numbers.value.len() == meanings.len() {
@@ -236,11 +204,7 @@ impl Reader<'_> {
         self.diagnostics.push(
             Diagnostic::error(
                 catalogue::WRONG_LENGTH,
-                format!(
-                    "`{key}` has {}, not {}",
-                    counted(count, "value"),
-                    meanings.len()
-                ),
+                format!("`{key}` has {}, not {}", counted(count, "value"), meanings.len()),
             )
             .at(value.span(), "")
             .help(format!("write `{key} = [{}]`", meanings.join(", "))),
@@ -254,15 +218,9 @@ impl Reader<'_> {
             self.wrong_type(&format!("`{key}`"), value, "a list of numbers");
             return None;
         };
-        let numbers: Vec<Option<Number>> = array
-            .iter()
-            .map(|value| self.number_of(key, value))
-            .collect();
+        let numbers: Vec<Option<Number>> = array.iter().map(|value| self.number_of(key, value)).collect();
         let numbers: Option<Vec<Number>> = numbers.into_iter().collect();
-        Some(Written {
-            value: numbers?,
-            span: value.span(),
-        })
+        Some(Written { value: numbers?, span: value.span() })
     }
 
     /// A list of texts, and whether all of them were.
@@ -274,20 +232,13 @@ impl Reader<'_> {
             self.wrong_type(&format!("`{key}`"), value, "a list of texts in quotes");
             return (Vec::new(), false);
         };
-        let texts: Vec<Text> = array
-            .iter()
-            .filter_map(|value| self.text_of(key, value))
-            .collect();
+        let texts: Vec<Text> = array.iter().filter_map(|value| self.text_of(key, value)).collect();
         let all = texts.len() == array.len();
         (texts, all)
     }
 
     /// `{ name = number, ... }`.
-    pub(super) fn weights(
-        &mut self,
-        fields: &Fields,
-        key: &'static str,
-    ) -> Option<Vec<(Text, Number)>> {
+    pub(super) fn weights(&mut self, fields: &Fields, key: &'static str) -> Option<Vec<(Text, Number)>> {
         let value = fields.value(key)?;
         let inner = self.open_any(value, key_place(key))?;
         let weights: Vec<Option<(Text, Number)>> = inner
@@ -344,12 +295,9 @@ impl Reader<'_> {
         };
         let span = self.first_line(&value.span());
         self.diagnostics.push(
-            Diagnostic::error(
-                catalogue::WRONG_TYPE,
-                format!("{what} wants {wanted}, and this is {found}"),
-            )
-            .at(span, "")
-            .help(format!("write {wanted}")),
+            Diagnostic::error(catalogue::WRONG_TYPE, format!("{what} wants {wanted}, and this is {found}"))
+                .at(span, "")
+                .help(format!("write {wanted}")),
         );
     }
 }
@@ -364,11 +312,7 @@ fn key_place(key: &'static str) -> &'static str {
 
 /// "1 value", "2 values".
 pub(super) fn counted(count: usize, noun: &str) -> String {
-    if count == 1 {
-        format!("1 {noun}")
-    } else {
-        format!("{count} {noun}s")
-    }
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
 /// Where the last value inside a value ends. TOML nests at most 80 deep, so this does.

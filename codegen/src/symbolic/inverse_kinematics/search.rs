@@ -219,10 +219,10 @@ fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>, Overflow> 
     for (index, first) in lone.iter().enumerate() {
         match &first.simple {
             Simple::Slide { slide, a, b, c } => {
-                let equation = if !a.is_zero() {
-                    Solved::Quadratic([a.clone(), b.clone(), c.clone()])
-                } else {
+                let equation = if a.is_zero() {
                     Solved::Linear([b.clone(), c.clone()])
+                } else {
+                    Solved::Quadratic([a.clone(), b.clone(), c.clone()])
                 };
                 let leading = if a.is_zero() { b } else { a };
                 if !vanishes(arena, state, leading) {
@@ -237,7 +237,12 @@ fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>, Overflow> 
                     continue;
                 }
                 let equation = Solved::Trig([a.clone(), b.clone(), c.clone()]);
-                found.push(Found { unknown: unknown.clone(), equation, origin: first.origin.clone(), sound: true });
+                found.push(Found {
+                    unknown: unknown.clone(),
+                    equation,
+                    origin: first.origin.clone(),
+                    sound: true,
+                });
                 let later = lone.iter().skip(index + 1);
                 for second in later.filter(|second| second.group == first.group) {
                     found.extend(pair(arena, state, &unknown, first, second)?);
@@ -320,7 +325,8 @@ fn squares(state: &State) -> Result<Vec<Equation>, Overflow> {
     let mut groups: Vec<usize> = state.equations.iter().map(|equation| equation.group).collect();
     groups.dedup();
     for group in groups {
-        let rows: Vec<&Equation> = state.equations.iter().filter(|equation| equation.group == group).collect();
+        let rows: Vec<&Equation> =
+            state.equations.iter().filter(|equation| equation.group == group).collect();
         for chosen in subsets(rows.len()) {
             let rows: Vec<&Equation> = chosen.iter().filter_map(|index| rows.get(*index).copied()).collect();
             if let Some(equation) = square_sum(&rows, &state.open)? {
