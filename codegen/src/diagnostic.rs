@@ -121,9 +121,15 @@ impl Diagnostics {
 
     /// Whether the table is refused.
     pub fn has_errors(&self) -> bool {
+        self.errors() > 0
+    }
+
+    /// How many errors there are.
+    pub fn errors(&self) -> usize {
         self.items
             .iter()
-            .any(|item| item.severity == Severity::Error)
+            .filter(|item| item.severity == Severity::Error)
+            .count()
     }
 
     /// How many there are.
@@ -155,23 +161,29 @@ pub fn shortened(text: &str) -> String {
     format!("{start}...")
 }
 
-/// The nearest of some names to what was written, if any is near.
+/// The nearest of some names to what was written, if any is near: a few letters are wrong, or the end is missing.
 pub fn nearest<'a>(written: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    if written.len() > 200 {
+    const LONGEST: usize = 100;
+    if written.len() > LONGEST {
         return None;
     }
     let lower = written.to_lowercase();
-    names
-        .into_iter()
-        .map(|name| {
-            (
-                strsim::damerau_levenshtein(&lower, &name.to_lowercase()),
-                name,
-            )
-        })
-        .filter(|(distance, name)| *distance <= (name.chars().count().max(3) / 3).max(1))
-        .min_by_key(|(distance, _)| *distance)
-        .map(|(_, name)| name)
+    let mut best: Option<(usize, &str)> = None;
+    for name in names {
+        let lower_name = name.to_lowercase();
+        let letters = name.chars().count();
+        let distance = strsim::damerau_levenshtein(&lower, &lower_name);
+        // Of words of one or two letters each is near to any other.
+        let near = distance == 0
+            || (letters > 2
+                && distance <= (letters / 3).max(1)
+                && distance < lower.chars().count());
+        let begun = lower.len() > 2 && lower_name.starts_with(&lower);
+        if (near || begun) && best.is_none_or(|(least, _)| distance < least) {
+            best = Some((distance, name));
+        }
+    }
+    best.map(|(_, name)| name)
 }
 
 #[cfg(test)]

@@ -262,7 +262,7 @@ pub fn parse(text: &str, diagnostics: &mut Diagnostics) -> Table {
         complete,
     } = damage::mend(text, diagnostics);
     let (root, errors) = DeTable::parse_recoverable(&mended);
-    damage::report_duplicates(text, root.get_ref(), &errors, diagnostics);
+    let repeated = damage::report_duplicates(text, root.get_ref(), &errors, diagnostics);
     let line_feeds = text
         .bytes()
         .enumerate()
@@ -273,6 +273,7 @@ pub fn parse(text: &str, diagnostics: &mut Diagnostics) -> Table {
         text,
         diagnostics,
         line_feeds,
+        repeated,
         complete,
     };
     sections::read(&mut reader, root.get_ref())

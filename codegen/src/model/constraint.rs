@@ -35,19 +35,19 @@ pub(super) fn equation(
     diagnostics: &mut Diagnostics,
 ) -> Option<Form> {
     let sides: Vec<Range<usize>> = split(&text.value, &["="]).0;
-    let [left, right] = sides.as_slice() else {
-        let message = if text.value.contains(['<', '>']) {
-            "an inequality stands among the equations".to_owned()
-        } else {
-            format!(
-                "a constraint is an equation with one `=`, and this has {}",
-                sides.len().saturating_sub(1)
-            )
-        };
-        let help = if text.value.contains(['<', '>']) {
-            "write it in `where = [...]`"
-        } else {
-            "write `left = right`, such as \"theta4 = pi/2 - theta2 - theta3\""
+    let inequality = text.value.contains(['<', '>']);
+    let (false, [left, right]) = (inequality, sides.as_slice()) else {
+        let (message, help) = match sides.len() {
+            _ if inequality => (
+                "an inequality stands among the equations",
+                "write it in `where = [...]`",
+            ),
+            3 if text.value.contains("==") => ("a constraint has one `=`", "write `=` for `==`"),
+            1 => (
+                "a constraint is an equation",
+                "write `left = right`, such as `\"theta4 = pi/2 - theta2 - theta3\"`",
+            ),
+            _ => ("a constraint has one `=`", "write two constraints"),
         };
         diagnostics.push(
             Diagnostic::error(catalogue::BAD_CONSTRAINT, message)
@@ -70,16 +70,19 @@ pub(super) fn inequality(
 ) -> Option<Filter> {
     let (sides, operators) = split(&text.value, &["<=", ">=", "<", ">"]);
     let ([left, right], [operator]) = (sides.as_slice(), operators.as_slice()) else {
-        let (message, help) = if operators.is_empty() && text.value.contains('=') {
-            (
+        let (message, help) = match operators.len() {
+            0 if text.value.contains('=') => (
                 "an equation stands among the inequalities",
                 "write it in `constraints = [...]`",
-            )
-        } else {
-            (
+            ),
+            2 => (
                 "an entry of `where` is one inequality",
-                "write `left <= right`, such as \"theta3 <= 0\"; two bounds are two entries",
-            )
+                "write two entries, one for each bound",
+            ),
+            _ => (
+                "an entry of `where` is one inequality",
+                "write `left <= right`, such as `\"theta3 <= 0\"`",
+            ),
         };
         diagnostics.push(
             Diagnostic::error(catalogue::BAD_CONSTRAINT, message)

@@ -65,7 +65,7 @@ pub(super) fn problem(
         name_makes_a_function(name, target, diagnostics);
     }
     let joints = joints?;
-    let before = diagnostics.len();
+    let before = diagnostics.errors();
     let mut system = System::default();
     let mut constraints = Vec::new();
     let mut read = Vec::new();
@@ -109,7 +109,7 @@ pub(super) fn problem(
             );
         }
     }
-    let sound = written.complete && diagnostics.len() == before;
+    let sound = written.complete && diagnostics.errors() == before;
     if let Some(target) = target.filter(|_| sound) {
         comes_out_even(written, target, joints, system.rank(), diagnostics);
     }
@@ -156,24 +156,18 @@ fn takes_an_unknown_away(
     let same = difference.abs() < EQUAL;
     let same_but_for_turns = form.of_angles && (turns - libm::round(turns)).abs() < EQUAL;
     let mut diagnostic = if same || same_but_for_turns {
-        let what = if same {
-            "it says what follows from the others"
-        } else {
-            "it says what follows from the others, but for whole turns"
-        };
-        Diagnostic::error(
-            catalogue::REDUNDANT,
-            format!("{what}, so it takes no unknown away"),
-        )
-        .at(text.span.clone(), "")
-        .help("leave it out")
+        let turns = if same { "" } else { ", but for whole turns" };
+        let message = format!(
+            "the constraint follows from those beside it{turns}, so it takes no unknown away"
+        );
+        Diagnostic::error(catalogue::REDUNDANT, message)
+            .at(text.span.clone(), "")
+            .help("leave it out")
     } else {
-        Diagnostic::error(
-            catalogue::CONTRADICTION,
-            "it cannot hold together with the others",
-        )
-        .at(text.span.clone(), "")
-        .help("leave one of them out")
+        let message = "the constraint contradicts those beside it: they cannot hold together";
+        Diagnostic::error(catalogue::CONTRADICTION, message)
+            .at(text.span.clone(), "")
+            .help("leave one of them out")
     };
     for other in on.iter().filter_map(|other| read.get(*other)) {
         diagnostic = diagnostic.beside(other.span.clone(), "");
@@ -246,9 +240,19 @@ fn comes_out_even(
                 fitting.join(", ")
             )
         }
-    } else {
+    } else if written.constraints.is_empty() {
         format!(
-            "leave out {}",
+            "leave {} out of `free`",
+            count((rows - unknowns).min(free), "joint")
+        )
+    } else {
+        let choice = if free > 0 {
+            ", or joints out of `free`"
+        } else {
+            ""
+        };
+        format!(
+            "leave out {}{choice}",
             count((rows - unknowns).min(taken), "constraint")
         )
     };
@@ -276,11 +280,15 @@ fn name_makes_a_function(name: &Text, target: Option<Target>, diagnostics: &mut 
             .chars()
             .map(|c| if letters(c) { c } else { '_' })
             .collect();
-        let mended = mended
-            .trim_start_matches(|c: char| c.is_ascii_digit() || c == '_')
-            .trim_end_matches('_');
+        let words: Vec<&str> = mended.split('_').filter(|word| !word.is_empty()).collect();
+        let mended = words.join("_");
+        let mended = if mended.starts_with(|c: char| c.is_ascii_digit()) {
+            format!("_{mended}")
+        } else {
+            mended
+        };
         let mended = if mended.is_empty() {
-            "tool_down"
+            "tool_down".to_owned()
         } else {
             mended
         };
@@ -292,7 +300,7 @@ fn name_makes_a_function(name: &Text, target: Option<Target>, diagnostics: &mut 
             .at(name.span.clone(), "")
             .help(format!(
                 "write letters, digits and underscores, such as `\"{}\"`",
-                shortened(mended)
+                shortened(&mended)
             )),
         );
         return;

@@ -201,8 +201,14 @@ impl Converter<'_> {
     }
 
     fn refuse<T>(&mut self, value: &Value, number: &Number, wanted: Wanted) -> Option<T> {
+        // Where a number with the right unit is added to one without any, the one without is the mistake.
+        let right = match wanted {
+            Wanted::Length => value.length.is_some() && value.angle.is_none(),
+            Wanted::Angle => value.angle.is_some() && value.length.is_none(),
+            Wanted::Plain => false,
+        };
         if let Number::Expression(text) = number
-            && value.bare.is_some_and(|bare| bare != 0.0)
+            && right
         {
             self.diagnostics.push(mixed_units(text));
             return None;

@@ -1,7 +1,7 @@
 //! How joint variables move the rows: couplings, their inverse, and the whole turns that change nothing.
 
 use super::{JointKind, Row, Winding};
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::TAU;
 
 /// Coefficients that ought to be whole numbers are, to within this.
 const WHOLE: f64 = 1e-9;
@@ -83,7 +83,7 @@ pub(super) fn windings(rows: &[Row], joints: &[usize], inverse: &[Vec<f64>]) -> 
     };
     let mut found: Vec<Winding> = (0..joints.len())
         .filter(|joint| revolute(*joint))
-        .filter_map(|joint| winding(rows, joint, inverse, &revolute))
+        .filter_map(|joint| winding(rows, joint, inverse))
         .collect();
     let mut ordered = Vec::new();
     while !found.is_empty() {
@@ -99,15 +99,40 @@ pub(super) fn windings(rows: &[Row], joints: &[usize], inverse: &[Vec<f64>]) -> 
             .unwrap_or(0);
         ordered.push(found.remove(next));
     }
-    ordered
+    without_whole_turns(&ordered)
 }
 
-fn winding(
-    rows: &[Row],
-    joint: usize,
-    inverse: &[Vec<f64>],
-    revolute: &impl Fn(usize) -> bool,
-) -> Option<Winding> {
+/// The same windings with as little carried as can be: whole turns of the joints carried are windings of their own.
+fn without_whole_turns(ordered: &[Winding]) -> Vec<Winding> {
+    let mut reduced = Vec::new();
+    for (index, winding) in ordered.iter().enumerate() {
+        let mut carries: std::collections::BTreeMap<usize, f64> =
+            winding.carries.iter().copied().collect();
+        for other in ordered.iter().skip(index + 1) {
+            let moves = carries.get(&other.joint).copied().unwrap_or(0.0) / other.turn;
+            // Half a turn is carried forwards rather than backwards.
+            let whole = libm::ceil(moves - 0.5 - WHOLE);
+            if whole == 0.0 {
+                continue;
+            }
+            *carries.entry(other.joint).or_insert(0.0) -= whole * other.turn;
+            for (joint, by) in &other.carries {
+                *carries.entry(*joint).or_insert(0.0) -= whole * by;
+            }
+        }
+        let carries = carries
+            .into_iter()
+            .filter(|(_, by)| by.abs() > WHOLE)
+            .collect();
+        reduced.push(Winding {
+            carries,
+            ..winding.clone()
+        });
+    }
+    reduced
+}
+
+fn winding(rows: &[Row], joint: usize, inverse: &[Vec<f64>]) -> Option<Winding> {
     // What one turn of this joint's theta is in all joint variables, every other own theta standing still.
     let turn: Vec<f64> = inverse
         .iter()
@@ -137,25 +162,8 @@ fn winding(
     let carries = turn
         .iter()
         .enumerate()
-        .filter(|(k, _)| *k != joint)
-        .map(|(k, moves)| {
-            let moves = moves * turns * sign;
-            // Whole turns of a revolute joint are windings of its own.
-            let moves = if revolute(k) {
-                moves - libm::ceil(moves - 0.5)
-            } else {
-                moves
-            };
-            (
-                k,
-                if (moves - 0.5).abs() < WHOLE {
-                    PI
-                } else {
-                    moves * TAU
-                },
-            )
-        })
-        .filter(|(_, moves)| moves.abs() > WHOLE)
+        .filter(|(k, moves)| *k != joint && moves.abs() > WHOLE)
+        .map(|(k, moves)| (k, moves * turns * sign * TAU))
         .collect();
     Some(Winding {
         joint,

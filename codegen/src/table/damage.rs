@@ -48,13 +48,14 @@ pub(super) fn mend(text: &str, diagnostics: &mut Diagnostics) -> Mended {
     }
 }
 
-/// Reports keys that stand twice. The parser reports some of them twice, too.
+/// Reports keys that stand twice. The parser reports some of them twice, too. Returns where the headers start that do.
 pub(super) fn report_duplicates(
     text: &str,
     root: &DeTable,
     errors: &[Error],
     diagnostics: &mut Diagnostics,
-) {
+) -> Vec<usize> {
+    let mut headers = Vec::new();
     let mut sorted: Vec<&Error> = errors.iter().filter(|error| is_about_keys(error)).collect();
     sorted.sort_by_key(|error| error.span().map_or(0, |span| span.start));
     let mut skipped_to = 0;
@@ -68,9 +69,11 @@ pub(super) fn report_duplicates(
         if header.is_some() {
             // What stands twice below a header that stands twice is no second mistake.
             skipped_to = next_header(text, line.end);
+            headers.push(line.start);
         }
         diagnostics.push(duplicate(text, root, error, span, header));
     }
+    headers
 }
 
 fn duplicate(
@@ -123,7 +126,11 @@ fn duplicate(
         }
         None => format!("`{name}` stands twice"),
     };
-    let first = first_place(root, &key, span.start);
+    // The parser keeps the second of two headers, so the first one is looked for in the text.
+    let first = match header {
+        Some(header) => first_line_like(text, header, span.start),
+        None => first_place(root, &key, span.start),
+    };
     let diagnostic =
         Diagnostic::error(catalogue::DUPLICATE_KEY, message).at(span, "the second time");
     let diagnostic = match first {
@@ -131,6 +138,21 @@ fn duplicate(
         None => diagnostic,
     };
     diagnostic.help("leave one of them out")
+}
+
+/// The first line before that is the same header.
+fn first_line_like(text: &str, header: &str, before: usize) -> Option<Range<usize>> {
+    let mut start = 0;
+    for line in text.split('\n') {
+        if start + line.len() >= before {
+            return None;
+        }
+        if line.trim() == header.trim() {
+            return Some(start..start + line.trim_end().len());
+        }
+        start += line.len() + 1;
+    }
+    None
 }
 
 /// The nearest place before, where the same key stands.
@@ -284,20 +306,105 @@ fn describe(text: &str, error: &Error, span: Range<usize>) -> Diagnostic {
                 .help(format!("write `\"{number} {unit}\"`"));
         }
     }
-    let mut words = shortened(message);
-    if let Some((what, expected)) = message.split_once(", expected ")
-        && expected != "nothing"
-    {
-        words = format!("{}; expected {}", what, expected);
-    }
-    Diagnostic::error(
-        CODE,
-        format!(
-            "this is not TOML: {}",
-            words.trim_end_matches(", expected nothing")
+    let (what, expected) = message
+        .split_once(", expected ")
+        .unwrap_or((message, "nothing"));
+    let (what, help) = match KNOWN.iter().find(|(start, ..)| what.starts_with(start)) {
+        Some((_, what, help)) => (*what, (*help).to_owned()),
+        None if expected == "nothing" => (what, "leave it out".to_owned()),
+        None => (
+            what,
+            format!("what may stand here: {}", shortened(expected)),
         ),
-    )
-    .at(span, "")
+    };
+    Diagnostic::error(CODE, format!("this is not TOML: {what}"))
+        .at(span, "")
+        .help(help)
 }
+
+/// What the parser says, what we say, and what to write.
+const KNOWN: [(&str, &str, &str); 17] = [
+    (
+        "unclosed array table",
+        "the header is not closed",
+        "write `]]` where it ends",
+    ),
+    (
+        "unclosed table",
+        "the header is not closed",
+        "write `]` where it ends",
+    ),
+    (
+        "unclosed array",
+        "the list is not closed",
+        "write `]` where it ends",
+    ),
+    (
+        "unclosed inline table",
+        "the table is not closed",
+        "write `}` where it ends",
+    ),
+    (
+        "key with no value",
+        "a key without `=`",
+        "write `key = value`",
+    ),
+    ("extra `=`", "a second `=`", "leave one of them out"),
+    (
+        "invalid basic string",
+        "the text is not closed",
+        "write `\"` where it ends",
+    ),
+    (
+        "invalid literal string",
+        "the text is not closed",
+        "write `'` where it ends",
+    ),
+    (
+        "invalid multi-line basic string",
+        "the text is not closed",
+        "write `\"\"\"` where it ends",
+    ),
+    (
+        "invalid multi-line literal string",
+        "the text is not closed",
+        "write `'''` where it ends",
+    ),
+    (
+        "unexpected leading zero",
+        "a number begins with a 0 that says nothing",
+        "leave the 0 out",
+    ),
+    (
+        "invalid fraction",
+        "no digit follows the point",
+        "write one, such as `1.0`",
+    ),
+    (
+        "invalid mantissa",
+        "no digit stands before the point",
+        "write one, such as `0.5`",
+    ),
+    (
+        "redundant numeric sign",
+        "a number has two signs",
+        "leave one of them out",
+    ),
+    (
+        "extra comma",
+        "a comma with no value before it",
+        "leave it out",
+    ),
+    (
+        "missing comma",
+        "values without a comma between them",
+        "write `,` before this one",
+    ),
+    (
+        "missing escaped value",
+        "a backslash begins no escape",
+        "write `\\\\` for a backslash",
+    ),
+];
 
 const CODE: &str = catalogue::SYNTAX;

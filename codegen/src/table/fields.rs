@@ -11,6 +11,8 @@ pub(super) struct Reader<'a> {
     pub(super) diagnostics: &'a mut Diagnostics,
     /// Where the lines end.
     pub(super) line_feeds: Vec<usize>,
+    /// Headers that stand for a second time, in place of what stood there first.
+    pub(super) repeated: Vec<usize>,
     /// Whether nothing of the text was left out.
     pub(super) complete: bool,
 }
@@ -63,7 +65,7 @@ impl Reader<'_> {
         place: &'static str,
     ) -> Option<Fields<'a>> {
         let DeValue::Table(table) = value.get_ref() else {
-            self.wrong_type(place, value, "a table of keys");
+            self.wrong_type(place, value, KEYS);
             return None;
         };
         Some(Fields {
@@ -136,7 +138,7 @@ impl Reader<'_> {
 
     pub(super) fn text_of(&mut self, key: &str, value: &Spanned<DeValue>) -> Option<Text> {
         let DeValue::String(string) = value.get_ref() else {
-            self.wrong_type(&format!("`{key}`"), value, "a text in quotes");
+            self.wrong_type(&format!("`{key}`"), value, TEXT);
             return None;
         };
         Some(self.located(string, value.span()))
@@ -170,7 +172,7 @@ impl Reader<'_> {
         if let DeValue::Boolean(flag) = value.get_ref() {
             return Some(*flag);
         }
-        self.wrong_type(&format!("`{key}`"), value, "true or false");
+        self.wrong_type(&format!("`{key}`"), value, FLAG);
         None
     }
 
@@ -192,11 +194,7 @@ impl Reader<'_> {
             }
             DeValue::Float(float) => (float.as_str().parse::<f64>().ok(), float.as_str()),
             _ => {
-                self.wrong_type(
-                    &format!("`{key}`"),
-                    value,
-                    "a number, or an expression in quotes",
-                );
+                self.wrong_type(&format!("`{key}`"), value, NUMBER);
                 return None;
             }
         };
@@ -251,7 +249,7 @@ impl Reader<'_> {
     /// A list of any number of numbers; `None` if one of them is none.
     pub(super) fn numbers_of(&mut self, key: &str, value: &Spanned<DeValue>) -> Option<Numbers> {
         let DeValue::Array(array) = value.get_ref() else {
-            self.wrong_type(&format!("`{key}`"), value, "a list of numbers");
+            self.wrong_type(&format!("`{key}`"), value, NUMBERS);
             return None;
         };
         let numbers: Vec<Option<Number>> = array
@@ -271,7 +269,7 @@ impl Reader<'_> {
             return (Vec::new(), true);
         };
         let DeValue::Array(array) = value.get_ref() else {
-            self.wrong_type(&format!("`{key}`"), value, "a list of texts in quotes");
+            self.wrong_type(&format!("`{key}`"), value, TEXTS);
             return (Vec::new(), false);
         };
         let texts: Vec<Text> = array
@@ -334,13 +332,21 @@ impl Reader<'_> {
     }
 
     pub(super) fn wrong_type(&mut self, what: &str, value: &Spanned<DeValue>, wanted: &str) {
-        let found = match value.get_ref() {
-            DeValue::String(_) => "a text",
-            DeValue::Integer(_) | DeValue::Float(_) => "a number",
-            DeValue::Boolean(_) => "true or false",
-            DeValue::Datetime(_) => "a date or time",
-            DeValue::Array(_) => "a list",
-            DeValue::Table(_) => "a table",
+        if self.repeated.contains(&value.span().start) {
+            return;
+        }
+        let raw = self.text.get(value.span()).unwrap_or("");
+        let short = if raw.contains('\n') { "..." } else { raw };
+        let (found, help) = match (value.get_ref(), wanted) {
+            (DeValue::Integer(_) | DeValue::Float(_), TEXT) if what == "`name`" => {
+                ("a number", format!("write `\"{short}\"`"))
+            }
+            (DeValue::String(_), TEXTS) => ("a text", format!("write `[{}]`", shortened(short))),
+            (DeValue::Array(list), NUMBER) if list.len() == 1 => (
+                "a list",
+                format!("write `{}`", shortened(short.trim_matches(['[', ']']))),
+            ),
+            (found, _) => (name_of(found), format!("write {}", example_of(wanted))),
         };
         let span = self.first_line(&value.span());
         self.diagnostics.push(
@@ -349,8 +355,39 @@ impl Reader<'_> {
                 format!("{what} wants {wanted}, and this is {found}"),
             )
             .at(span, "")
-            .help(format!("write {wanted}")),
+            .help(help),
         );
+    }
+}
+
+pub(super) const TEXT: &str = "a text in quotes";
+pub(super) const TEXTS: &str = "a list of texts in quotes";
+pub(super) const NUMBER: &str = "a number, or an expression in quotes";
+pub(super) const NUMBERS: &str = "a list of numbers";
+pub(super) const KEYS: &str = "a table of keys";
+pub(super) const FLAG: &str = "true or false";
+
+fn name_of(value: &DeValue) -> &'static str {
+    match value {
+        DeValue::String(_) => "a text",
+        DeValue::Integer(_) | DeValue::Float(_) => "a number",
+        DeValue::Boolean(_) => "true or false",
+        DeValue::Datetime(_) => "a date or time",
+        DeValue::Array(_) => "a list",
+        DeValue::Table(_) => "a table",
+    }
+}
+
+/// An example of what is wanted.
+fn example_of(wanted: &str) -> &str {
+    match wanted {
+        TEXT => "`\"...\"`",
+        TEXTS => "`[\"...\", \"...\"]`",
+        NUMBER => "a number such as `0.14`, or an expression such as `\"pi/2\"`",
+        NUMBERS => "numbers in brackets, such as `[0, \"pi/2\"]`",
+        KEYS => "keys in braces, as in `{ key = value }`, or a `[header]` with keys below it",
+        FLAG => "`true` or `false`",
+        other => other,
     }
 }
 

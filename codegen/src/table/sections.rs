@@ -71,7 +71,7 @@ pub(super) fn read(reader: &mut Reader, root: &DeTable) -> Table {
     let whole = Fields {
         table: root,
         span: 0..0,
-        place: "a table",
+        place: "the table",
     };
     reader.refuse_unknown(&whole, &ROOT);
     if let Some(value) = root.get("format") {
@@ -291,7 +291,7 @@ fn sum_limit(reader: &mut Reader, value: &Spanned<DeValue>) -> Option<SumLimit> 
     Some(SumLimit {
         of: of?,
         range: range?,
-        span: fields.span,
+        span: reader.first_line(&fields.span),
     })
 }
 
