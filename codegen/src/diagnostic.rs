@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn drawn_in_the_order_of_the_text() {
-        expect![[r#"
+        expect![[r"
             warning[unknown-key]: unknown key `nmae`
              --> robots/x.toml:3:1
               |
@@ -237,13 +237,13 @@ mod tests {
             10 | | ]
                | |_^ 2 > 1
                |
-               = help: write `limits = [1, 2]`"#]]
+               = help: write `limits = [1, 2]`"]]
         .assert_eq(&sample().render(TEXT, "robots/x.toml", Style::Plain));
     }
 
     #[test]
     fn a_macro_leaves_the_level_to_rustc() {
-        expect![[r#"
+        expect![[r"
             warning: unknown key `nmae`
              --> x.toml:3:1
               |
@@ -265,7 +265,7 @@ mod tests {
             10 | | ]
                | |_^ 2 > 1
                |
-               = help: write `limits = [1, 2]`"#]]
+               = help: write `limits = [1, 2]`"]]
         .assert_eq(&sample().render(TEXT, "x.toml", Style::WithinError));
     }
 

@@ -1,4 +1,6 @@
 //! What tables mean: the model that comes of them, in SI.
+#![allow(clippy::expect_used, reason = "a test fails with it")]
+#![allow(clippy::approx_constant, reason = "rounded numbers are what is tested")]
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use dh_codegen::diagnostic::{Diagnostics, Style};
@@ -549,10 +551,10 @@ fn a_table_of_more_than_256_kib_is_refused() {
     let text = format!("{METRES}[[joint]]\n{}", "# \n".repeat(100_000));
     let table = table::parse(&text, &mut diagnostics);
     assert!(model::check(&table, &mut diagnostics).is_none());
-    expect_test::expect![[r#"
+    expect_test::expect![[r"
         error[too-large]: the table has 293 KiB, more than the 256 KiB that a table may have
         --> large.toml
-         = help: leave out what is not part of the robot"#]]
+         = help: leave out what is not part of the robot"]]
     .assert_eq(&diagnostics.render(&text, "large.toml", Style::Plain));
 }
 

@@ -1,6 +1,7 @@
 //! Every table of `refusals/` against the text that is said about it, and what must hold for any text at all.
 //!
 //! `UPDATE_EXPECT=1 cargo test -p dh-codegen --test refusals` writes the texts anew.
+#![allow(clippy::unwrap_used, reason = "a test fails with it")]
 
 use dh_codegen::diagnostic::{Diagnostics, Style};
 use dh_codegen::{model, table};
@@ -207,7 +208,15 @@ fn nothing_large_or_deep_hangs() {
         format!("{head}d = {}", deep("[", "]", 50_000)),
         format!("{head}d = {}", deep("{ a = ", "}", 30_000)),
         format!("{}.a = 1", "a.a".repeat(60_000)),
-        (0..20_000).map(|index| format!("k{index} = 1\n")).collect(),
+        (0..20_000)
+            .map(|index| {
+                format!(
+                    "k{index} = 1
+"
+                )
+            })
+            .collect::<Vec<_>>()
+            .concat(),
         "a = 1\n".repeat(40_000),
         format!("a = {{ {} }}", "a = 1, ".repeat(30_000)),
         "[[joint]]\n".repeat(20_000),

@@ -3,7 +3,7 @@
 /// Declares the codes and the catalogue of their explanations.
 macro_rules! catalogue {
     ($($name:ident = $code:literal, $text:literal;)*) => {
-        $(#[doc = $text] pub const $name: &str = $code;)*
+        $(#[doc = concat!("`", $code, "`, explained in [`CATALOGUE`].")] pub const $name: &str = $code;)*
 
         /// Every code with its explanation, in the order of the pipeline.
         pub const CATALOGUE: &[(&str, &str)] = &[$(($code, $text)),*];

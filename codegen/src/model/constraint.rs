@@ -1,31 +1,21 @@
 //! Constraints and filters of inverse problems: texts -> linear forms in the thetas and ds of rows.
 
+use super::form::Form;
 use super::quantity::{literal_of, rounded_angle};
-use super::{Angle, Filter, JointKind, Linear, Row, Units, names, topology};
+use super::{Angle, Filter, JointKind, Row, Units, names};
 use crate::diagnostic::{Diagnostic, Diagnostics, catalogue, nearest, shortened};
-use crate::table::expression::{Scope, Value, evaluate_part, mixed_units};
+use crate::table::expression::{Scope, evaluate_part};
 use crate::table::{Span, Text};
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// The robot as far as constraints speak of it.
 pub(super) struct Joints<'a> {
     pub(super) rows: &'a [Row],
-    /// `joints[i]` is the row of `q[i]`.
-    pub(super) joints: &'a [usize],
+    /// `moving[i]` is the row of `q[i]`.
+    pub(super) moving: &'a [usize],
     /// From thetas and ds to q.
     pub(super) inverse: &'a [Vec<f64>],
     pub(super) units: Units,
-}
-
-/// A linear form in both kinds of variables.
-pub(super) struct Form {
-    /// In thetas and ds of rows, as the model keeps it.
-    pub(super) linear: Linear,
-    /// The same in q: coefficients, and the constant on the same side.
-    pub(super) in_q: (Vec<f64>, f64),
-    /// Whether it speaks of angles.
-    pub(super) of_angles: bool,
 }
 
 /// `left = right`, as left - right = 0: the model's constant is on the right-hand side.
@@ -162,7 +152,7 @@ fn difference(
     };
     let mut value = value;
     value.add(&other, -1.0);
-    let form = form(text, &value, joints, diagnostics)?;
+    let form = Form::of(text, &value, joints, diagnostics)?;
     if form.of_angles {
         for side in [left, right] {
             let written = text.value.get(side.clone()).unwrap_or("");
@@ -268,129 +258,4 @@ fn unknown_variable(name: &str, span: Span, rows: &[Row]) -> Diagnostic {
         Some(near) => diagnostic.help(format!("write `{near}`")),
         None => diagnostic.help("variables are theta1, theta2, ... (d1, ... of prismatic joints), q1, q2, ... and joint names"),
     }
-}
-
-/// A value in both kinds of variables as a form in each.
-fn form(
-    text: &Text,
-    value: &Value,
-    joints: &Joints,
-    diagnostics: &mut Diagnostics,
-) -> Option<Form> {
-    let rows = joints.rows;
-    let row_of = |variable: usize| match variable.checked_sub(rows.len()) {
-        None => Some(variable),
-        Some(q) => joints.joints.get(q).copied(),
-    };
-    let kinds: Vec<JointKind> = value
-        .terms
-        .keys()
-        .filter_map(|variable| rows.get(row_of(*variable)?))
-        .map(|row| row.kind)
-        .collect();
-    let lengths =
-        kinds.contains(&JointKind::Prismatic) || (kinds.is_empty() && value.length.is_some());
-    let angles =
-        kinds.contains(&JointKind::Revolute) || (kinds.is_empty() && value.angle.is_some());
-    let bare = value.bare.filter(|bare| *bare != 0.0);
-    let other = if lengths { value.angle } else { value.length };
-    if (lengths && angles) || other.is_some_and(|other| other != 0.0) {
-        let message = "an angle and a length are added";
-        let help = "theta and q of revolute joints are angles, d and q of prismatic ones lengths";
-        diagnostics.push(
-            Diagnostic::error(catalogue::WRONG_UNIT, message)
-                .at(text.span.clone(), "")
-                .help(help),
-        );
-        return None;
-    }
-    let written = if lengths { value.length } else { value.angle };
-    if bare.is_some() && written.is_some_and(|written| written != 0.0) {
-        diagnostics.push(mixed_units(text));
-        return None;
-    }
-    let exact_or_not = |value: f64| {
-        if lengths {
-            Angle {
-                value,
-                fifteenths: (value == 0.0).then_some(0),
-            }
-        } else {
-            Angle::from_radians(value)
-        }
-    };
-    let mut constant = match bare {
-        Some(bare) if lengths => exact_or_not(joints.units.length_of(bare)),
-        Some(bare) => joints.units.angle_of(bare),
-        None => exact_or_not(written.unwrap_or(0.0)),
-    };
-
-    let size = joints.joints.len();
-    let mut in_q = (vec![0.0; size], constant.value);
-    let mut terms: BTreeMap<usize, f64> = BTreeMap::new();
-    let at_zero = |row: &Row| {
-        if row.kind == JointKind::Revolute {
-            row.theta
-        } else {
-            exact_or_not(row.d)
-        }
-    };
-    let sum = |one: Angle, two: Angle| {
-        if lengths {
-            exact_or_not(one.value + two.value)
-        } else {
-            one.plus(two)
-        }
-    };
-    let product = |angle: Angle, factor: f64| {
-        if lengths {
-            exact_or_not(angle.value * factor)
-        } else {
-            angle.times(factor)
-        }
-    };
-    for (&variable, &coefficient) in &value.terms {
-        if let Some(q) = variable.checked_sub(rows.len()) {
-            // q = inverse * (theta - theta at zero)
-            if let Some(entry) = in_q.0.get_mut(q) {
-                *entry += coefficient;
-            }
-            for (&inverse, &index) in joints.inverse.get(q)?.iter().zip(joints.joints) {
-                if inverse != 0.0 {
-                    *terms.entry(index).or_insert(0.0) += coefficient * inverse;
-                    constant = sum(
-                        constant,
-                        product(at_zero(rows.get(index)?), -coefficient * inverse),
-                    );
-                }
-            }
-        } else {
-            let row = rows.get(variable)?;
-            for (entry, moves) in in_q.0.iter_mut().zip(topology::coefficients(row, size)) {
-                *entry += coefficient * moves;
-            }
-            in_q.1 += coefficient * at_zero(row).value;
-            if row.terms.is_empty() {
-                constant = sum(constant, product(at_zero(row), coefficient));
-            } else {
-                *terms.entry(variable).or_insert(0.0) += coefficient;
-            }
-        }
-    }
-    let largest = value
-        .terms
-        .values()
-        .fold(0.0_f64, |largest, value| largest.max(value.abs()));
-    terms.retain(|_, coefficient| coefficient.abs() > 1e-12 * largest);
-    let linear = Linear {
-        terms: terms.into_iter().collect(),
-        constant,
-        text: text.value.clone(),
-        span: text.span.clone(),
-    };
-    Some(Form {
-        linear,
-        in_q,
-        of_angles: !lengths,
-    })
 }

@@ -22,11 +22,9 @@ pub(super) fn of(model: &Model) -> u64 {
         hash.value(bound.value);
     });
     hash.list(&model.workspace.keep_out, |hash, forbidden| {
-        forbidden
-            .min
-            .iter()
-            .chain(&forbidden.max)
-            .for_each(|value| hash.value(*value));
+        for value in forbidden.min.iter().chain(&forbidden.max) {
+            hash.value(*value);
+        }
     });
     hash.list(&model.sums, |hash, sum| {
         hash.terms(&sum.terms);
@@ -142,14 +140,16 @@ impl Hash {
     }
 
     fn placement(&mut self, placement: &Placement) {
-        placement.xyz.iter().for_each(|value| self.value(*value));
+        for value in placement.xyz {
+            self.value(value);
+        }
         match &placement.rotation {
             Rotation::Rpy(angles) => {
-                self.list(angles, |hash, angle: &Angle| hash.value(angle.value))
+                self.list(angles, |hash, angle: &Angle| hash.value(angle.value));
             }
-            Rotation::Matrix(rows) => self.list(rows, |hash, row| {
-                row.iter().for_each(|value| hash.value(*value))
-            }),
+            Rotation::Matrix(rows) => {
+                self.list(rows.as_flattened(), |hash, value| hash.value(*value));
+            }
         }
     }
 

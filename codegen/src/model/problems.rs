@@ -1,6 +1,7 @@
 //! `[[ik]]`: inverse problems, their constraints, and whether they come out even.
 
-use super::constraint::{Form, Joints, equation, inequality, says_nothing};
+use super::constraint::{Joints, equation, inequality, says_nothing};
+use super::form::Form;
 use super::linear::{Added, System};
 use super::quantity::word;
 use super::{Problem, Target, names};
@@ -54,9 +55,8 @@ impl Target {
 pub(super) fn problem(
     written: &table::Problem,
     joints: Option<&Joints>,
-    units_and_words: &mut Diagnostics,
+    diagnostics: &mut Diagnostics,
 ) -> Option<Problem> {
-    let diagnostics = units_and_words;
     let target = written
         .target
         .as_ref()
@@ -89,7 +89,7 @@ pub(super) fn problem(
         let Some(variable) = names::variable(joints.rows, name, diagnostics) else {
             continue;
         };
-        let mut alone = vec![0.0; joints.joints.len()];
+        let mut alone = vec![0.0; joints.moving.len()];
         if let Some(entry) = alone.get_mut(variable) {
             *entry = 1.0;
         }
@@ -184,7 +184,7 @@ fn comes_out_even(
     taken: usize,
     diagnostics: &mut Diagnostics,
 ) {
-    let moving = joints.joints.len();
+    let moving = joints.moving.len();
     let unknowns = moving.saturating_sub(taken);
     let rows = target.rows();
     if unknowns == rows || (target == Target::Pose && unknowns < rows && unknowns > 0) {
@@ -261,7 +261,7 @@ fn comes_out_even(
 
 fn last_joint<'a>(joints: &'a Joints) -> &'a str {
     joints
-        .joints
+        .moving
         .last()
         .and_then(|row| joints.rows.get(*row))
         .map_or("", |row| &row.name)

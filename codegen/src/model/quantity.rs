@@ -79,7 +79,7 @@ impl Converter<'_> {
                 bare,
                 ..
             } => Some(self.units.length_of(bare.unwrap_or(0.0))),
-            value => self.refuse(&value, number, Wanted::Length),
+            value => self.refuse(&value, number, &Wanted::Length),
         }
     }
 
@@ -106,7 +106,7 @@ impl Converter<'_> {
                 bare,
                 ..
             } => Some(self.units.angle_of(bare.unwrap_or(0.0))),
-            value => self.refuse(&value, number, Wanted::Angle),
+            value => self.refuse(&value, number, &Wanted::Angle),
         }
     }
 
@@ -115,7 +115,7 @@ impl Converter<'_> {
         let value = self.value(number)?;
         match value.only_bare() {
             Some(bare) => Some(bare),
-            None => self.refuse(&value, number, Wanted::Plain),
+            None => self.refuse(&value, number, &Wanted::Plain),
         }
     }
 
@@ -200,7 +200,7 @@ impl Converter<'_> {
         }
     }
 
-    fn refuse<T>(&mut self, value: &Value, number: &Number, wanted: Wanted) -> Option<T> {
+    fn refuse<T>(&mut self, value: &Value, number: &Number, wanted: &Wanted) -> Option<T> {
         // Where a number with the right unit is added to one without any, the one without is the mistake.
         let right = match wanted {
             Wanted::Length => value.length.is_some() && value.angle.is_none(),

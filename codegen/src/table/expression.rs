@@ -19,12 +19,15 @@ pub use value::Value;
 /// Parentheses and signs nested deeper than this are refused.
 const DEEPEST: usize = 64;
 
+/// Finds a variable by its name (and where that stands), or says what is wrong with it.
+pub type Lookup<'a> = dyn Fn(&str, Range<usize>) -> Result<usize, Box<Diagnostic>> + 'a;
+
 /// What an expression may mean.
 pub struct Scope<'a> {
     /// rad: what a bare argument of a sine is in.
     pub radians_per_angle: f64,
-    /// Finds a variable by its name, or says what is wrong with it.
-    pub variable: &'a dyn Fn(&str, Range<usize>) -> Result<usize, Box<Diagnostic>>,
+    /// What names stand for.
+    pub variable: &'a Lookup<'a>,
 }
 
 impl Scope<'_> {

@@ -1,4 +1,8 @@
 //! What is said about expressions that are none.
+#![allow(
+    clippy::unnecessary_box_returns,
+    reason = "they are the errors of results that are returned at every token, which stay small so"
+)]
 
 use super::functions::FUNCTIONS;
 use super::{Reader, Unit};
