@@ -5,7 +5,7 @@
 use toml::de::{DeTable, DeValue};
 
 use crate::double_double::DoubleDouble;
-use crate::expression::{Quantity, Units, degree, evaluate};
+use crate::expression::{Quantity, Units, degree, evaluate, literal};
 use crate::matrix::Matrix;
 
 type Result<T> = std::result::Result<T, String>;
@@ -70,7 +70,7 @@ fn get<'t, 'i>(table: &'t DeTable<'i>, key: &str) -> Option<&'t DeValue<'i>> {
 
 fn number(value: &DeValue<'_>, quantity: Quantity, units: &Units) -> Result<DoubleDouble> {
     let unit = units.of(quantity);
-    let plain = |text: &str| DoubleDouble::parse(text).map(|x| x * unit).ok_or_else(|| format!("`{text}`"));
+    let plain = |text: &str| literal(text).map(|x| x * unit).ok_or_else(|| format!("`{text}`"));
     let value = match value {
         DeValue::Integer(integer) => plain(integer.as_str())?,
         DeValue::Float(float) => plain(float.as_str())?,

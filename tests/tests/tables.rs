@@ -44,6 +44,19 @@ fn the_reference_lists_every_table() {
 }
 
 #[test]
+fn examples_of_the_reference_are_toml() {
+    let readme = fs::read_to_string(folder().join("README.md")).unwrap();
+    let blocks: Vec<&str> =
+        readme.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
+    assert!(blocks.len() > 8);
+    for block in &blocks {
+        assert!(toml::de::DeTable::parse(block).is_ok(), "{block}");
+    }
+    // The first is a whole table.
+    assert_eq!(Oracle::read(blocks[0]).unwrap().dof(), 2);
+}
+
+#[test]
 fn numbers_come_from_somewhere() {
     for name in dh_robots::names() {
         let text = dh_robots::table(name).unwrap();
