@@ -3,7 +3,7 @@
 /// Declares the codes and the catalogue of their explanations.
 macro_rules! catalogue {
     ($($name:ident = $code:literal, $text:literal;)*) => {
-        $(#[doc = $text] pub const $name: &str = $code;)*
+        $(#[doc = concat!("`", $code, "`, explained in [`CATALOGUE`].")] pub const $name: &str = $code;)*
 
         /// Every code with its explanation, in the order of the pipeline.
         pub const CATALOGUE: &[(&str, &str)] = &[$(($code, $text)),*];
@@ -70,7 +70,7 @@ catalogue! {
     POSE_LENGTH = "pose-length",
         "A named pose has one value for each joint that moves, base to tip. Held joints have none.";
     POSE_OUTSIDE_LIMITS = "pose-outside-limits",
-        "A named pose is outside the limits of a joint, or of a sum of joints.";
+        "A named pose is outside the limits of a joint, so that it cannot be moved to. A pose outside a [[limit]] on a sum of joints gets a warning: the arm refuses to move there all the same.";
     BAD_CONSTRAINT = "bad-constraint",
         "A constraint is an equation `left = right`, an entry of `where` an inequality with <=, <, >= or >.";
     NOT_LINEAR = "not-linear",

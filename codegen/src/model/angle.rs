@@ -126,7 +126,7 @@ mod tests {
         assert_eq!(Angle::from_radians(FRAC_PI_2 + 5e-13).fifteenths, Some(6));
         assert_eq!(Angle::from_radians(FRAC_PI_2 + 5e-13).value, FRAC_PI_2);
         assert_eq!(Angle::from_radians(FRAC_PI_2 + 2e-12).fifteenths, None);
-        assert_eq!(Angle::from_radians(1.5708).fifteenths, None);
+        assert_eq!(Angle::from_radians(1.5711).fifteenths, None);
         assert_eq!(Angle::from_degrees(-105.0).fifteenths, Some(-7));
     }
 

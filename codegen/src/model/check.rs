@@ -83,7 +83,7 @@ pub fn check(table: &Table, diagnostics: &mut Diagnostics) -> Option<Model> {
     }
     let whole = Joints {
         rows: &model.rows,
-        joints: &model.joints,
+        moving: &model.joints,
         inverse: inverse.as_deref().unwrap_or(&[]),
         units,
     };
