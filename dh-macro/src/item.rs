@@ -26,8 +26,8 @@ impl Item {
         let clause = rest.get(parameters.len()..).unwrap_or_default();
         let clause = clause.iter().skip_while(|token| !is_word(token, "where"));
         let generics = Generics {
-            parameters: text(without_defaults(parameters)),
-            arguments: arguments(parameters),
+            parameters: declared(&split(parameters)),
+            arguments: passed(&split(parameters)),
             clause: text(clause.take_while(|token| !is_end(token))),
         };
         Some(Self { name: name.to_string(), generics, tokens: item })
@@ -76,14 +76,61 @@ fn split(parameters: &[TokenTree]) -> Vec<&[TokenTree]> {
             '<' => depth += 1,
             '>' => depth = depth.saturating_sub(1),
             ',' if depth == 0 => {
-                split.push(&inner[start..i]);
+                split.push(inner.get(start..i).unwrap_or_default());
                 start = i + 1;
             }
             _ => {}
         }
     }
-    split.push(&inner[start..]);
+    split.push(inner.get(start..).unwrap_or_default());
     split.retain(|parameter| !parameter.is_empty());
     split
 }
 
+/// Generic parameters as they are declared on an `impl`: with bounds, without defaults.
+fn declared(parameters: &[&[TokenTree]]) -> String {
+    bracketed(parameters.iter().map(|parameter| {
+        let mut depth = 0_usize;
+        text(parameter.iter().take_while(|token| {
+            let mark = if let TokenTree::Punct(mark) = token { mark.as_char() } else { ' ' };
+            match mark {
+                '<' => depth += 1,
+                '>' => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+            mark != '=' || depth > 0
+        }))
+    }))
+}
+
+/// Generic parameters as arguments.
+fn passed(parameters: &[&[TokenTree]]) -> String {
+    bracketed(parameters.iter().map(|parameter| match parameter {
+        [TokenTree::Punct(quote), name, ..] if quote.as_char() == '\'' => format!("'{name}"),
+        [constant, name, ..] if is_word(constant, "const") => name.to_string(),
+        [name, ..] => name.to_string(),
+        [] => String::new(),
+    }))
+}
+
+fn bracketed(parameters: impl Iterator<Item = String>) -> String {
+    let parameters: Vec<_> = parameters.collect();
+    if parameters.is_empty() { String::new() } else { format!("<{}>", parameters.join(", ")) }
+}
+
+fn text<'a>(tokens: impl Iterator<Item = &'a TokenTree>) -> String {
+    tokens.cloned().collect::<TokenStream>().to_string()
+}
+
+fn is_word(token: &TokenTree, word: &str) -> bool {
+    matches!(token, TokenTree::Ident(ident) if ident.to_string() == word)
+}
+
+/// Fields in braces, or the semicolon.
+fn is_end(token: &TokenTree) -> bool {
+    match token {
+        TokenTree::Group(group) => group.delimiter() == Delimiter::Brace,
+        TokenTree::Punct(mark) => mark.as_char() == ';',
+        _ => false,
+    }
+}

@@ -9,10 +9,12 @@ mod report;
 
 use arguments::Arguments;
 use dh_build::Source;
-use dh_codegen::emit::rust::{Options, attach, stub};
+use dh_codegen::emit::rust::{Attached, Options, Outline, attach, stub};
+use dh_codegen::verify::Level;
 use item::Item;
 use proc_macro::TokenStream;
 use report::Report;
+use std::path::PathBuf;
 
 /// Gives a struct the kinematics of a robot table: `fk`, `jacobian`, `ik`, `JOINTS` and what else the table asks for.
 ///
@@ -48,18 +50,18 @@ pub fn dh_robot(arguments: TokenStream, item: TokenStream) -> TokenStream {
 }
 
 /// The items of the table, or, where it has mistakes, those that it would have without.
-fn compile(arguments: &Arguments, options: &Options, report: &mut Report) -> dh_codegen::emit::rust::Attached {
-    let crate_root = std::env::var_os("CARGO_MANIFEST_DIR").map(std::path::PathBuf::from);
+fn compile(arguments: &Arguments, options: &Options, report: &mut Report) -> Attached {
+    let crate_root = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
     let source_file = arguments.span.local_file();
     let source = match Source::for_macro(&arguments.path, source_file.as_deref(), crate_root.as_deref()) {
         Ok(source) => source,
         Err(error) => {
             report.diagnostic(&error.diagnostic(), "", error.name(), arguments);
-            return stub(&dh_codegen::emit::rust::Outline::default(), options);
+            return stub(&Outline::default(), options);
         }
     };
     report.track(source.path.as_deref());
-    let compilation = dh_codegen::compile(&source.text);
+    let compilation = dh_codegen::compile(&source.text, Level::Quick);
     for diagnostic in compilation.diagnostics.sorted() {
         report.diagnostic(diagnostic, &source.text, &source.name_shown, arguments);
     }

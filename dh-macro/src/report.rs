@@ -1,7 +1,7 @@
 //! What the compiler of the user's crate is told: mistakes, warnings, and which file to watch.
 
 use crate::arguments::Arguments;
-use dh_codegen::diagnostic::render::Style;
+use dh_codegen::diagnostic::Style;
 use dh_codegen::diagnostic::{Diagnostic, Severity};
 use proc_macro::{Group, Span, TokenStream, TokenTree};
 use std::path::Path;

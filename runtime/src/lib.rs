@@ -13,3 +13,5 @@ pub use dh_core::*;
 pub use nalgebra;
 #[cfg(feature = "nalgebra")]
 pub use nalgebra::{Point2, Point3, Rotation3, UnitVector3};
+#[cfg(feature = "macro")]
+pub use dh_macro::dh_robot;
