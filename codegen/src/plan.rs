@@ -38,6 +38,8 @@ pub struct Constant {
     pub name: String,
     /// SI.
     pub value: f64,
+    /// Power of the metre: 1 for a length, 0 for a ratio.
+    pub dimension: u8,
     /// What it is and where it stands: "link length of joint 2, table line 31".
     pub note: String,
 }

@@ -89,6 +89,8 @@ catalogue! {
         "The number is a multiple of 15 degrees rounded to the digits written. It is kept as written, so that the arm is built with axes that are not quite square; if the multiple is meant, write it as an expression, which is exact.";
     SERVO_RANGE = "servo-range",
         "The servo cannot be sent to all of the joint's limits. Motion uses what both allow.";
+    NO_CLOSED_FORM = "no-closed-form",
+        "The compiler looked for an order in which each step has one unknown joint (or sum of parallel joints), and found none for this problem under these constraints. Its function is left out, and the others stay.";
     VERIFICATION = "verification",
         "Every function is run against plain products of the table's own matrices before it is printed. One that does not agree is left out, and the others stay. This is never the table's mistake: the compiler derived something wrong, or its accuracy does not do for this arm.";
 }

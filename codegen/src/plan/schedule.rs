@@ -22,25 +22,35 @@ impl Constants {
         self.list
     }
 
-    fn named(&mut self, name: &str, value: f64, note: &str) -> ConstantId {
-        if let Some(&known) = self.ids.get(name) {
-            return known;
+    /// The table's number of this name. Another number under the same name (of another function) gets one of its own.
+    fn named(&mut self, name: &str, value: f64, dimension: u8, note: &str) -> ConstantId {
+        let same = |constant: &Constant| constant.value.to_bits() == value.to_bits();
+        let mut unique = name.to_string();
+        let mut tries = 1;
+        while let Some(&known) = self.ids.get(&unique) {
+            if self.list.get(known.0).is_some_and(same) {
+                return known;
+            }
+            tries += 1;
+            unique = format!("{name}_{tries}");
         }
         let id = ConstantId(self.list.len());
-        self.list.push(Constant { name: name.to_string(), value, note: note.to_string() });
-        self.ids.insert(name.to_string(), id);
+        self.list.push(Constant { name: unique.clone(), value, dimension, note: note.to_string() });
+        self.ids.insert(unique, id);
         id
     }
 
     /// A constant folded from others; the same text is the same constant.
-    fn folded(&mut self, text: &str, value: f64) -> ConstantId {
-        if let Some(&known) = self.ids.get(text) {
+    fn folded(&mut self, text: &str, value: f64, dimension: u8) -> ConstantId {
+        let key = format!("{text} = {value:?}");
+        if let Some(&known) = self.ids.get(&key) {
             return known;
         }
         self.folded += 1;
         let id = ConstantId(self.list.len());
-        self.list.push(Constant { name: format!("k{}", self.folded), value, note: format!("= {text}") });
-        self.ids.insert(text.to_string(), id);
+        let name = format!("k{}", self.folded);
+        self.list.push(Constant { name, value, dimension, note: format!("= {text}") });
+        self.ids.insert(key, id);
         id
     }
 }
@@ -258,14 +268,14 @@ impl<'a> Scheduler<'a> {
             Node::Number(number) => Scalar::Number(number.value()),
             Node::Neg(inner) => negated(self.constant(inner)),
             Node::Leaf(index) => match self.arena.leaf_at(index) {
-                Some((name, Leaf::Parameter { value, note })) => {
-                    Scalar::Constant(self.constants.named(name, *value, note))
+                Some((name, Leaf::Parameter { value, dimension, note })) => {
+                    Scalar::Constant(self.constants.named(name, *value, *dimension, note))
                 }
                 _ => Scalar::Number(f64::NAN),
             },
             _ => {
                 let text = crate::symbolic::text::expression(self.arena, x);
-                Scalar::Constant(self.constants.folded(&text, self.arena.constant_value(x)))
+                Scalar::Constant(self.constants.folded(&text, self.arena.constant_value(x), self.arena.constant_dimension(x)))
             }
         }
     }

@@ -188,7 +188,7 @@ fn element_rigid(arena: &mut Arena, element: &Element) -> Rigid {
     let mut step = transform::identity(arena);
     match element {
         Element::Translate { axis, value, name, note } => {
-            let length = arena.parameter(name, *value, note);
+            let length = arena.parameter(name, *value, 1, note);
             if let Some(entry) = step.translation.get_mut(*axis) {
                 *entry = length;
             }
@@ -201,7 +201,7 @@ fn element_rigid(arena: &mut Arena, element: &Element) -> Rigid {
         Element::Matrix { rows, name, note } => {
             for (i, (row, numbers)) in step.rotation.iter_mut().zip(rows).enumerate() {
                 for (j, (entry, number)) in row.iter_mut().zip(numbers).enumerate() {
-                    *entry = arena.parameter(&format!("{name}{}{}", i + 1, j + 1), *number, note);
+                    *entry = arena.parameter(&format!("{name}{}{}", i + 1, j + 1), *number, 0, note);
                 }
             }
         }

@@ -20,6 +20,8 @@ pub enum Leaf {
     Parameter {
         /// SI.
         value: f64,
+        /// Power of the metre.
+        dimension: u8,
         /// What it is and where it stands.
         note: String,
     },
@@ -91,11 +93,11 @@ impl Arena {
     }
 
     /// A number of the table; zero and plus or minus one are folded.
-    pub fn parameter(&mut self, name: &str, value: f64, note: &str) -> Expr {
+    pub fn parameter(&mut self, name: &str, value: f64, dimension: u8, note: &str) -> Expr {
         if value == 0.0 {
             return self.zero();
         }
-        self.leaf(name, Leaf::Parameter { value, note: note.to_string() })
+        self.leaf(name, Leaf::Parameter { value, dimension, note: note.to_string() })
     }
 
     /// Sine and cosine of an angle. `suffix` names it (s234, c234) when it is met for the first time.
@@ -119,8 +121,8 @@ impl Arena {
             return (self.number(sin), self.number(cos));
         }
         let angle = form.turn.value();
-        let sin = self.parameter(&format!("s{suffix}"), libm::sin(angle), &format!("sine of {angle} rad"));
-        let cos = self.parameter(&format!("c{suffix}"), libm::cos(angle), &format!("cosine of {angle} rad"));
+        let sin = self.parameter(&format!("s{suffix}"), libm::sin(angle), 0, &format!("sine of {angle} rad"));
+        let cos = self.parameter(&format!("c{suffix}"), libm::cos(angle), 0, &format!("cosine of {angle} rad"));
         (sin, cos)
     }
 
@@ -247,6 +249,20 @@ impl Arena {
             Node::Add(a, b) => self.constant_value(a) + self.constant_value(b),
             Node::Mul(a, b) => self.constant_value(a) * self.constant_value(b),
             Node::Sin(_) | Node::Cos(_) => f64::NAN,
+        }
+    }
+
+    /// Power of the metre in a constant expression.
+    pub fn constant_dimension(&self, x: Expr) -> u8 {
+        match self.node(x) {
+            Node::Leaf(index) => match self.leaf_at(index) {
+                Some((_, Leaf::Parameter { dimension, .. })) => *dimension,
+                _ => 0,
+            },
+            Node::Neg(inner) => self.constant_dimension(inner),
+            Node::Add(a, b) => self.constant_dimension(a).max(self.constant_dimension(b)),
+            Node::Mul(a, b) => self.constant_dimension(a).saturating_add(self.constant_dimension(b)),
+            Node::Number(_) | Node::Sin(_) | Node::Cos(_) => 0,
         }
     }
 

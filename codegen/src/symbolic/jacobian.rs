@@ -58,7 +58,7 @@ fn factor(arena: &mut Arena, row: usize, variable: usize, coefficient: f64) -> E
         Some(number) => arena.number(number),
         None => {
             let name = format!("k{}_{}", row + 1, variable + 1);
-            arena.parameter(&name, coefficient, &format!("coupling of joint {} to q{}", row + 1, variable + 1))
+            arena.parameter(&name, coefficient, 0, &format!("coupling of joint {} to q{}", row + 1, variable + 1))
         }
     }
 }

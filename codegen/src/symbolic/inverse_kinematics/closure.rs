@@ -137,7 +137,7 @@ impl Builder<'_> {
     fn constant_angle(&mut self, name: &str, value: f64) {
         let known = |angle: &AngleData| matches!(angle, AngleData::Constant { value: v, .. } if v.abs() == value.abs());
         if !self.atoms.angles.iter().any(known) {
-            self.atoms.angles.push(AngleData::Constant { name: name.to_string(), value: value.abs() });
+            self.atoms.angles.push(AngleData::Constant { name: name.to_string(), value });
         }
     }
 
@@ -149,8 +149,10 @@ impl Builder<'_> {
     fn sin_cos(&self, mut frequency: Vec<i16>, fifteenths: i32, rest: f64) -> Result<(Polynomial, Polynomial), Overflow> {
         if rest != 0.0 {
             for (entry, angle) in frequency.iter_mut().zip(&self.atoms.angles) {
-                if matches!(angle, AngleData::Constant { value, .. } if *value == rest.abs()) {
-                    *entry += if rest < 0.0 { -1 } else { 1 };
+                if let AngleData::Constant { value, .. } = angle
+                    && value.abs() == rest.abs()
+                {
+                    *entry += if *value == rest { 1 } else { -1 };
                 }
             }
         }
@@ -169,7 +171,7 @@ impl Builder<'_> {
     }
 
     fn parameter(&mut self, name: &str, value: f64, note: &str, dimension: u8) -> Polynomial {
-        let expr = self.arena.parameter(name, value, note);
+        let expr = self.arena.parameter(name, value, dimension, note);
         self.atoms.polynomial(name, dimension, Source::Table(expr))
     }
 
