@@ -1,8 +1,9 @@
 //! The engines that compute a table's kinematics, behind the one trait.
 
-use dh_codegen::diagnostic::{Diagnostics, Style};
+use dh_codegen::compile;
+use dh_codegen::diagnostic::Style;
 use dh_codegen::plan::eval::Program;
-use dh_codegen::{model, plan, table};
+use dh_codegen::verify::Level;
 use dh_core::Kinematics;
 
 /// The interpreter of a table read at run time. Every plan that it runs lives as long as the process.
@@ -10,18 +11,12 @@ use dh_core::Kinematics;
 /// # Errors
 /// What the compiler says of the table, as a person would see it.
 pub fn interpreter(text: &str) -> Result<Box<dyn Kinematics>, String> {
-    let mut diagnostics = Diagnostics::default();
-    let table = table::parse(text, &mut diagnostics);
-    let model = model::check(&table, &mut diagnostics);
-    let Some(model) = model.filter(|_| !diagnostics.has_errors()) else {
-        return Err(format!("{text}\n{}", diagnostics.render(text, "table.toml", Style::Plain)));
+    let compilation = compile(text, Level::Quick);
+    let Some(output) = compilation.output else {
+        return Err(format!("{text}\n{}", compilation.diagnostics.render(text, "table.toml", Style::Plain)));
     };
-    let model = Box::leak(Box::new(model));
-    let (plan, unsolved) = plan::build(model);
-    for problem in &unsolved {
-        eprintln!("{}: {problem:?}", model.name);
-    }
-    let program = Program::new(model, Box::leak(Box::new(plan))).map_err(|error| error.to_string())?;
+    let output = Box::leak(Box::new(output));
+    let program = Program::new(&output.model, &output.plan).map_err(|error| error.to_string())?;
     let interpreter = Box::leak(Box::new(program)).interpreter().map_err(|error| error.to_string())?;
     Ok(Box::new(interpreter))
 }
