@@ -50,7 +50,7 @@ pub enum Node {
 }
 
 /// All expressions of a robot.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Arena {
     nodes: Vec<Node>,
     constant: Vec<bool>,
@@ -59,6 +59,27 @@ pub struct Arena {
     leaf_ids: HashMap<String, Expr>,
     angles: Vec<(String, AngleForm)>,
     names: HashMap<Expr, String>,
+}
+
+/// 0 and 1, in every arena.
+const ZERO: Expr = Expr(0);
+const ONE: Expr = Expr(1);
+
+impl Default for Arena {
+    fn default() -> Self {
+        let mut arena = Self {
+            nodes: Vec::new(),
+            constant: Vec::new(),
+            ids: HashMap::new(),
+            leaves: Vec::new(),
+            leaf_ids: HashMap::new(),
+            angles: Vec::new(),
+            names: HashMap::new(),
+        };
+        arena.intern(Node::Number(Number::ZERO));
+        arena.intern(Node::Number(Number::ONE));
+        arena
+    }
 }
 
 impl Arena {
@@ -72,13 +93,13 @@ impl Arena {
     }
 
     /// 0
-    pub fn zero(&mut self) -> Expr {
-        self.number(Number::ZERO)
+    pub fn zero(&self) -> Expr {
+        ZERO
     }
 
     /// 1
-    pub fn one(&mut self) -> Expr {
-        self.number(Number::ONE)
+    pub fn one(&self) -> Expr {
+        ONE
     }
 
     /// A named leaf; the same name gives the same leaf.
@@ -130,23 +151,23 @@ impl Arena {
     pub fn neg(&mut self, x: Expr) -> Expr {
         match self.node(x) {
             Node::Neg(inner) => inner,
-            Node::Number(number) if number.is_zero() => x,
+            _ if x == ZERO => x,
             _ => self.intern(Node::Neg(x)),
         }
     }
 
     /// x + y
     pub fn add(&mut self, x: Expr, y: Expr) -> Expr {
+        if x == ZERO {
+            return y;
+        }
+        if y == ZERO {
+            return x;
+        }
         if let (Some(a), Some(b)) = (self.as_number(x), self.as_number(y))
             && let Some(sum) = a.add(b)
         {
             return self.number(sum);
-        }
-        if self.is_zero(x) {
-            return y;
-        }
-        if self.is_zero(y) {
-            return x;
         }
         let ((x_sign, x), (y_sign, y)) = (self.split_sign(x), self.split_sign(y));
         if x == y {
@@ -172,6 +193,15 @@ impl Arena {
 
     /// x y
     pub fn mul(&mut self, x: Expr, y: Expr) -> Expr {
+        if x == ZERO || y == ZERO {
+            return ZERO;
+        }
+        if x == ONE {
+            return y;
+        }
+        if y == ONE {
+            return x;
+        }
         if let (Some(a), Some(b)) = (self.as_number(x), self.as_number(y))
             && let Some(product) = a.mul(b)
         {
@@ -180,10 +210,8 @@ impl Arena {
         let ((x_sign, x), (y_sign, y)) = (self.split_sign(x), self.split_sign(y));
         let positive = x_sign == y_sign;
         let (first, second) = if self.rank(x) <= self.rank(y) { (x, y) } else { (y, x) };
-        match self.node(first) {
-            Node::Number(number) if number.is_zero() => return first,
-            Node::Number(Number::ONE) => return self.signed(positive, second),
-            _ => {}
+        if first == ONE {
+            return self.signed(positive, second);
         }
         // Constants are gathered in front, so that a2 (sa3 x) costs one product.
         if self.is_constant(first)
@@ -234,7 +262,7 @@ impl Arena {
 
     /// Whether it is 0.
     pub fn is_zero(&self, x: Expr) -> bool {
-        matches!(self.node(x), Node::Number(number) if number.is_zero())
+        x == ZERO
     }
 
     /// Value of a constant expression (SI).

@@ -71,27 +71,36 @@ impl Number {
     /// Sum; `None` where the integers overflow.
     pub fn add(self, other: Self) -> Option<Self> {
         let (d1, d2) = (i128::from(self.denominator), i128::from(other.denominator));
+        let (f1, f2, denominator) = if d1 == d2 { (1, 1, d1) } else { (d2, d1, d1 * d2) };
         let mut parts = [0; 4];
         for (part, (a, b)) in parts.iter_mut().zip(self.parts.into_iter().zip(other.parts)) {
-            *part = i128::from(a) * d2 + i128::from(b) * d1;
+            *part = i128::from(a) * f1 + i128::from(b) * f2;
         }
-        Self::reduced(parts, d1 * d2)
+        Self::reduced(parts, denominator)
     }
 
     /// Product; `None` where the integers overflow.
     pub fn mul(self, other: Self) -> Option<Self> {
         let [a0, a1, a2, a3] = self.parts.map(i128::from);
         let [b0, b1, b2, b3] = other.parts.map(i128::from);
+        let denominator = i128::from(self.denominator) * i128::from(other.denominator);
+        if self.is_rational() && other.is_rational() {
+            return Self::reduced([a0 * b0, 0, 0, 0], denominator);
+        }
+        let sum = |list: [i128; 4]| list.into_iter().try_fold(0_i128, i128::checked_add);
         let parts = [
-            a0.checked_mul(b0)?
-                .checked_add(2 * a1.checked_mul(b1)?)?
-                .checked_add(3 * a2.checked_mul(b2)?)?
-                .checked_add(6 * a3.checked_mul(b3)?)?,
-            (a0 * b1).checked_add(a1 * b0)?.checked_add(3 * (a2 * b3))?.checked_add(3 * (a3 * b2))?,
-            (a0 * b2).checked_add(a2 * b0)?.checked_add(2 * (a1 * b3))?.checked_add(2 * (a3 * b1))?,
-            (a0 * b3).checked_add(a3 * b0)?.checked_add(a1 * b2)?.checked_add(a2 * b1)?,
+            sum([a0.checked_mul(b0)?, a1.checked_mul(2 * b1)?, a2.checked_mul(3 * b2)?, a3.checked_mul(6 * b3)?])?,
+            sum([a0.checked_mul(b1)?, a1.checked_mul(b0)?, a2.checked_mul(3 * b3)?, a3.checked_mul(3 * b2)?])?,
+            sum([a0.checked_mul(b2)?, a2.checked_mul(b0)?, a1.checked_mul(2 * b3)?, a3.checked_mul(2 * b1)?])?,
+            sum([a0.checked_mul(b3)?, a3.checked_mul(b0)?, a1.checked_mul(b2)?, a2.checked_mul(b1)?])?,
         ];
-        Self::reduced(parts, i128::from(self.denominator) * i128::from(other.denominator))
+        Self::reduced(parts, denominator)
+    }
+
+    /// Whether no root is in it.
+    fn is_rational(self) -> bool {
+        let [_, two, three, six] = self.parts;
+        two == 0 && three == 0 && six == 0
     }
 
     /// The additive inverse.
@@ -124,23 +133,33 @@ impl Number {
 
     /// Whether the number is less than 0.
     pub fn is_negative(self) -> bool {
-        self.value() < 0.0
+        let [rational, ..] = self.parts;
+        if self.is_rational() { rational < 0 } else { self.value() < 0.0 }
     }
 
     fn reduced(parts: [i128; 4], denominator: i128) -> Option<Self> {
-        let sign = denominator.signum();
-        let divisor = parts.iter().fold(denominator.unsigned_abs(), |acc, part| gcd(acc, part.unsigned_abs()));
-        let divisor = i128::try_from(divisor.max(1)).ok()? * if sign < 0 { -1 } else { 1 };
-        let narrow = |value: i128| i64::try_from(value / divisor).ok().filter(|narrowed| *narrowed != i64::MIN);
+        let narrow = |value: i128| i64::try_from(value).ok().filter(|narrowed| *narrowed != i64::MIN);
         let [n0, n1, n2, n3] = parts;
+        if denominator == 1 {
+            return Some(Self { parts: [narrow(n0)?, narrow(n1)?, narrow(n2)?, narrow(n3)?], denominator: 1 });
+        }
+        let divisor = parts.iter().fold(denominator.unsigned_abs(), |acc, part| gcd(acc, part.unsigned_abs()));
+        let divisor = i128::try_from(divisor.max(1)).ok()? * denominator.signum();
         Some(Self {
-            parts: [narrow(n0)?, narrow(n1)?, narrow(n2)?, narrow(n3)?],
-            denominator: narrow(denominator)?,
+            parts: [narrow(n0 / divisor)?, narrow(n1 / divisor)?, narrow(n2 / divisor)?, narrow(n3 / divisor)?],
+            denominator: narrow(denominator / divisor)?,
         })
     }
 }
 
+/// Greatest common divisor; in the narrow type as soon as the numbers fit, which is much faster.
 fn gcd(a: u128, b: u128) -> u128 {
+    if let (Ok(mut a), Ok(mut b)) = (u64::try_from(a), u64::try_from(b)) {
+        while b != 0 {
+            (a, b) = (b, a % b);
+        }
+        return u128::from(a);
+    }
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
