@@ -50,23 +50,40 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error with a code of the catalogue.
     pub fn error(code: &'static str, message: impl Into<String>) -> Diagnostic {
-        Diagnostic { severity: Severity::Error, code, message: message.into(), labels: Vec::new(), help: Vec::new() }
+        Diagnostic {
+            severity: Severity::Error,
+            code,
+            message: message.into(),
+            labels: Vec::new(),
+            help: Vec::new(),
+        }
     }
 
     /// A warning with a code of the catalogue.
     pub fn warning(code: &'static str, message: impl Into<String>) -> Diagnostic {
-        Diagnostic { severity: Severity::Warning, ..Diagnostic::error(code, message) }
+        Diagnostic {
+            severity: Severity::Warning,
+            ..Diagnostic::error(code, message)
+        }
     }
 
     /// Underlines the place that the message speaks of.
     pub fn at(mut self, span: Range<usize>, text: impl Into<String>) -> Diagnostic {
-        self.labels.push(Label { span, text: text.into(), primary: true });
+        self.labels.push(Label {
+            span,
+            text: text.into(),
+            primary: true,
+        });
         self
     }
 
     /// Underlines a place that explains it.
     pub fn beside(mut self, span: Range<usize>, text: impl Into<String>) -> Diagnostic {
-        self.labels.push(Label { span, text: text.into(), primary: false });
+        self.labels.push(Label {
+            span,
+            text: text.into(),
+            primary: false,
+        });
         self
     }
 
@@ -104,7 +121,9 @@ impl Diagnostics {
 
     /// Whether the table is refused.
     pub fn has_errors(&self) -> bool {
-        self.items.iter().any(|item| item.severity == Severity::Error)
+        self.items
+            .iter()
+            .any(|item| item.severity == Severity::Error)
     }
 
     /// How many there are.
@@ -144,7 +163,12 @@ pub fn nearest<'a>(written: &str, names: impl IntoIterator<Item = &'a str>) -> O
     let lower = written.to_lowercase();
     names
         .into_iter()
-        .map(|name| (strsim::damerau_levenshtein(&lower, &name.to_lowercase()), name))
+        .map(|name| {
+            (
+                strsim::damerau_levenshtein(&lower, &name.to_lowercase()),
+                name,
+            )
+        })
         .filter(|(distance, name)| *distance <= (name.chars().count().max(3) / 3).max(1))
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, name)| name)
@@ -155,15 +179,19 @@ mod tests {
     use super::*;
     use expect_test::expect;
 
-    const TEXT: &str = "[robot]\nname = \"x\"\nnmae = 3\n\n[[joint]]\nd = 1\nlimits = [\n  2,\n  1,\n]\n";
+    const TEXT: &str =
+        "[robot]\nname = \"x\"\nnmae = 3\n\n[[joint]]\nd = 1\nlimits = [\n  2,\n  1,\n]\n";
 
     fn sample() -> Diagnostics {
         let mut diagnostics = Diagnostics::new();
         diagnostics.push(
-            Diagnostic::error(catalogue::LIMITS_ORDER, "the lower limit is above the upper one")
-                .at(54..67, "2 > 1")
-                .beside(29..38, "of this joint")
-                .help("write `limits = [1, 2]`"),
+            Diagnostic::error(
+                catalogue::LIMITS_ORDER,
+                "the lower limit is above the upper one",
+            )
+            .at(54..67, "2 > 1")
+            .beside(29..38, "of this joint")
+            .help("write `limits = [1, 2]`"),
         );
         diagnostics.push(
             Diagnostic::warning(catalogue::UNKNOWN_KEY, "unknown key `nmae`")
@@ -185,18 +213,20 @@ mod tests {
               = help: `name` is near
 
             error[limits-order]: the lower limit is above the upper one
-              --> robots/x.toml:9:2
+              --> robots/x.toml:7:10
                |
              5 |   [[joint]]
-               |  __-
-             6 | | d = 1
-               | |_- of this joint
-            ...
-             9 | /   1,
+               |   --------- of this joint
+             6 |   d = 1
+             7 |   limits = [
+               |  __________^
+             8 | |   2,
+             9 | |   1,
             10 | | ]
-               | |__^ 2 > 1
+               | |_^ 2 > 1
                |
-               = help: write `limits = [1, 2]`"#]].assert_eq(&sample().render(TEXT, "robots/x.toml", Style::Plain));
+               = help: write `limits = [1, 2]`"#]]
+        .assert_eq(&sample().render(TEXT, "robots/x.toml", Style::Plain));
     }
 
     #[test]
@@ -211,18 +241,20 @@ mod tests {
               = help: `name` is near
 
             the lower limit is above the upper one
-              --> x.toml:9:2
+              --> x.toml:7:10
                |
              5 |   [[joint]]
-               |  __-
-             6 | | d = 1
-               | |_- of this joint
-            ...
-             9 | /   1,
+               |   --------- of this joint
+             6 |   d = 1
+             7 |   limits = [
+               |  __________^
+             8 | |   2,
+             9 | |   1,
             10 | | ]
-               | |__^ 2 > 1
+               | |_^ 2 > 1
                |
-               = help: write `limits = [1, 2]`"#]].assert_eq(&sample().render(TEXT, "x.toml", Style::WithinError));
+               = help: write `limits = [1, 2]`"#]]
+        .assert_eq(&sample().render(TEXT, "x.toml", Style::WithinError));
     }
 
     #[test]
@@ -246,7 +278,8 @@ mod tests {
     #[test]
     fn places_outside_the_text_are_drawn_at_its_end() {
         let mut diagnostics = Diagnostics::new();
-        diagnostics.push(Diagnostic::error(catalogue::SYNTAX, "unexpected end").at(900..1000, "here"));
+        diagnostics
+            .push(Diagnostic::error(catalogue::SYNTAX, "unexpected end").at(900..1000, "here"));
         diagnostics.push(Diagnostic::error(catalogue::SYNTAX, "inside a letter").at(1..2, ""));
         let drawn = diagnostics.render("é = é", "x.toml", Style::Plain);
         assert!(drawn.contains("x.toml:1:"), "{drawn}");

@@ -4,8 +4,8 @@
 
 /// Codes, messages and labelled spans; the one renderer of them.
 pub mod diagnostic;
-// Stage 1: text -> rows as written, every value with its span. Knows TOML, no geometry.
-//pub mod table;
+/// Stage 1: text -> rows as written, every value with its span. Knows TOML, no geometry.
+pub mod table;
 /// Stage 2: rows -> a checked robot in SI units.
 pub mod model;
 /// Stage 3: model -> equations.

@@ -8,13 +8,26 @@ use std::ops::Range;
 mod angle;
 /// Fixed transforms between joints.
 pub mod chain;
+mod check;
+mod constraint;
+mod fingerprint;
+mod linear;
+mod names;
+mod placement;
+mod problems;
 /// The plain product of the rows, for verification.
 pub mod product;
+mod quantity;
 mod reach;
 mod recentre;
+mod rows;
+mod rules;
+mod servos;
+mod topology;
 
 pub use angle::EXACT_ANGLE_TOLERANCE;
 pub use chain::Chain;
+pub use check::check;
 
 /// Byte range in the table's text.
 pub type Span = Range<usize>;
@@ -151,6 +164,13 @@ pub struct Row {
     pub span: Span,
     /// 1-based line of the entry's header.
     pub line: usize,
+}
+
+impl Row {
+    /// Whether it has a variable of its own.
+    pub fn moves(&self) -> bool {
+        self.variable.is_some()
+    }
 }
 
 /// Kind of a row.

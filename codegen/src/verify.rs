@@ -30,6 +30,7 @@ use crate::model::Model;
 use crate::plan::eval::Program;
 use crate::plan::{Function, FunctionKind, Plan};
 use constraints::Constraints;
+use reference::Reference;
 
 /// Errors of forward functions: of positions in reaches, of rotations in rad.
 pub const FORWARD_TOLERANCE: f64 = 1e-12;
@@ -119,19 +120,25 @@ impl Verification<'_> {
         };
         let sound = plan.functions.iter().zip(&functions).filter_map(sound).collect();
         let sound = Plan { constants: plan.constants.clone(), functions: sound };
-        // Every function left is sound by itself, so the whole is.
-        let Ok(program) = Program::new(self.model, &sound) else {
-            return Report { functions };
+        let program = match Program::new(self.model, &sound) {
+            Ok(program) => program,
+            Err(error) => {
+                for report in &mut functions {
+                    report.failure = Some(error.to_string());
+                }
+                return Report { functions };
+            }
         };
         let any = Constraints::of(self.model, None);
-        let poses = poses::poses(self.model, &any, self.level, self.reach);
+        let poses = poses::poses(self.model, &any, self.level, self.reach, |_| true);
+        let references: Vec<_> = poses.into_iter().map(|q| Reference::at(self.model, q)).collect();
         let (forward, inverse): (Vec<_>, Vec<_>) = functions
             .iter_mut()
             .filter(|report| report.failure.is_none())
             .partition(|report| report.inverse.is_none());
         let mut fk = false;
         for report in forward {
-            forward::verify(self.model, &program, &poses, self.reach, report);
+            forward::verify(&program, &references, self.reach, report);
             fk |= report.kind == FunctionKind::Fk && report.failure.is_none();
         }
         for report in inverse {
@@ -158,7 +165,6 @@ impl Verification<'_> {
         };
         let constraints =
             Constraints::of(self.model, problem.and_then(|index| self.model.problems.get(index)));
-        let poses = poses::poses(self.model, &constraints, self.level, self.reach);
         let inverse = inverse::Inverse {
             model: self.model,
             program,
@@ -167,7 +173,7 @@ impl Verification<'_> {
             windings: &program.windings(),
             reach: self.reach,
         };
-        inverse.verify(&poses, report);
+        inverse.verify(self.level, report);
     }
 }
 

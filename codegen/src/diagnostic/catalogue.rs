@@ -95,7 +95,10 @@ catalogue! {
 
 /// What a code means.
 pub fn explain(code: &str) -> Option<&'static str> {
-    CATALOGUE.iter().find(|(known, _)| *known == code).map(|(_, text)| *text)
+    CATALOGUE
+        .iter()
+        .find(|(known, _)| *known == code)
+        .map(|(_, text)| *text)
 }
 
 #[cfg(test)]
@@ -105,9 +108,20 @@ mod tests {
     #[test]
     fn codes_are_unique_short_and_explained() {
         for (index, (code, text)) in CATALOGUE.iter().enumerate() {
-            assert!(code.len() <= 20 && code.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-'));
+            assert!(
+                code.len() <= 20
+                    && code
+                        .chars()
+                        .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-')
+            );
             assert!(text.ends_with('.') && text.len() > 20, "{code}");
-            assert!(CATALOGUE.iter().skip(index + 1).all(|(other, _)| other != code), "{code} stands twice");
+            assert!(
+                CATALOGUE
+                    .iter()
+                    .skip(index + 1)
+                    .all(|(other, _)| other != code),
+                "{code} stands twice"
+            );
             assert_eq!(explain(code), Some(*text));
         }
         assert_eq!(explain("E0000"), None);

@@ -3,7 +3,6 @@
 use super::reference::{Reference, distance, position};
 use super::report::FunctionReport;
 use super::{FORWARD_TOLERANCE, Tolerance};
-use crate::model::Model;
 use crate::model::product::Matrix;
 use crate::plan::FunctionKind;
 use crate::plan::eval::Program;
@@ -32,21 +31,19 @@ impl Expected {
 
 /// Runs a forward function at every pose; the first pose at which it is wrong ends up in the report as its failure.
 pub(super) fn verify(
-    model: &Model,
     program: &Program<'_>,
-    poses: &[Vec<f64>],
+    references: &[Reference<'_>],
     reach: f64,
     report: &mut FunctionReport,
 ) {
-    for q in poses {
-        let Some(outputs) = program.forward(&report.kind, q) else {
-            return;
-        };
-        let expected = Expected::of(&report.kind, &Reference::at(model, q));
+    for reference in references {
         report.poses += 1;
-        let failure = compare(&outputs, &expected, reach, report);
+        let failure = match program.forward(&report.kind, &reference.q) {
+            Some(outputs) => compare(&outputs, &Expected::of(&report.kind, reference), reach, report),
+            None => Some("it cannot be run".to_owned()),
+        };
         if let Some(failure) = failure {
-            report.failure = Some(format!("{failure}, at q = {q:?}"));
+            report.failure = Some(format!("{failure}, at q = {:?}", reference.q));
             return;
         }
     }
@@ -54,7 +51,9 @@ pub(super) fn verify(
 
 /// Compares the outputs of one run; says what is wrong.
 fn compare(outputs: &[f64], expected: &Expected, reach: f64, report: &mut FunctionReport) -> Option<String> {
-    let (matrices, columns) = outputs.split_at_checked(12 * expected.matrices.len())?;
+    let Some((matrices, columns)) = outputs.split_at_checked(12 * expected.matrices.len()) else {
+        return Some("outputs are missing".to_owned());
+    };
     for (index, (output, matrix)) in matrices.chunks_exact(12).zip(&expected.matrices).enumerate() {
         let mut computed = Matrix::default();
         computed.as_flattened_mut().iter_mut().zip(output).for_each(|(entry, output)| *entry = *output);

@@ -5,8 +5,8 @@ use super::prescribed::{prescribed, target_of};
 use super::report::{FunctionReport, InverseReport};
 use super::where_clause::Wheres;
 use super::{
-    COMPLETE, COMPLETE_NEAR_SINGULAR, RESIDUAL, RESIDUAL_SINGULAR, SINGULAR, Tolerance, reference,
-    singular_values,
+    COMPLETE, COMPLETE_NEAR_SINGULAR, Level, RESIDUAL, RESIDUAL_SINGULAR, SINGULAR, Tolerance, poses,
+    reference, singular_values,
 };
 use crate::model::{self, Model};
 use crate::plan::eval::Program;
@@ -31,26 +31,36 @@ pub(super) struct Inverse<'v> {
 
 impl Inverse<'_> {
     /// Asks for the pose at every joint vector; the first wrong answer ends up in the report as the failure.
-    pub(super) fn verify(&self, poses: &[Vec<f64>], report: &mut FunctionReport) {
+    pub(super) fn verify(&self, level: Level, report: &mut FunctionReport) {
+        let wheres = Wheres::of(self.model, self.problem);
+        let wanted = |q: &[f64]| wheres.clearly_keep(q);
+        let poses = poses::poses(self.model, self.constraints, level, self.reach, wanted);
         for (number, q) in poses.iter().enumerate() {
             let Some(target) = target_of(self.kind(), &reference::tool(self.model, q), number, self.reach)
             else {
                 continue;
             };
             report.poses += 1;
-            if let Err(failure) = self.pose(q, &target, report) {
+            if let Err(failure) = self.pose(q, &target, &wheres, report) {
                 report.failure = Some(format!("{failure}, asked for the pose at q = {q:?}"));
                 return;
             }
         }
+        if report.inverse.as_ref().is_none_or(|inverse| inverse.originals + inverse.singular == 0) {
+            report.failure = Some("no pose was found at which it could be verified".to_owned());
+        }
     }
 
-    fn pose(&self, q: &[f64], target: &Target<f64>, report: &mut FunctionReport) -> Result<(), String> {
+    fn pose(
+        &self,
+        q: &[f64],
+        target: &Target<f64>,
+        wheres: &Wheres<'_>,
+        report: &mut FunctionReport,
+    ) -> Result<(), String> {
         let free: Vec<f64> = self.given().iter().map(|joint| q.get(*joint).copied().unwrap_or(0.0)).collect();
-        let Some(answer) = self.program.inverse(self.problem, target, &free, self.windings, |_| ()) else {
-            return Ok(());
-        };
-        let wheres = Wheres::of(self.model, self.problem);
+        let answer = self.program.inverse(self.problem, target, &free, self.windings, |_| ());
+        let Some(answer) = answer else { return Err("it cannot be run".to_owned()) };
         let allowed = wheres.clearly_keep(q);
         let solutions = match &answer {
             Ok(solutions) => solutions.as_slice(),
@@ -62,7 +72,7 @@ impl Inverse<'_> {
         let mut nearest = f64::INFINITY;
         for solution in solutions {
             let joints = solution.q.get(..q.len()).unwrap_or_default();
-            self.solution(joints, target, &wheres, smallest, report)?;
+            self.solution(joints, target, wheres, smallest, report)?;
             nearest = nearest.min(self.travel(q, joints));
         }
         let Some(inverse) = &mut report.inverse else {

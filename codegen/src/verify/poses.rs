@@ -17,6 +17,9 @@ const NEAR: [f64; 4] = [1e-9, 1e-7, 1e-5, 1e-3];
 /// so that among 16 poses in a row any three angles have every combination of signs, twice.
 const SIDES: [u32; 8] = [0b0001, 0b0010, 0b0100, 0b1000, 0b0111, 0b1011, 0b1101, 0b1110];
 
+/// How many random poses are made for one that satisfies the problem's `where`.
+const TRIES: u32 = 32;
+
 /// rad
 const TURN: Limits = Limits { min: -PI, max: PI };
 
@@ -39,13 +42,20 @@ impl Numbers {
 
 /// Joint vectors (rad or m) that satisfy the constraints: random ones; joint angles at multiples of a quarter turn,
 /// where most arms are singular; joints at their limits; and one angle at, or near, such a multiple, the others
-/// random. The independent joints are set so, the others follow.
-pub(super) fn poses(model: &Model, constraints: &Constraints, level: Level, reach: f64) -> Vec<Vec<f64>> {
+/// random. The independent joints are set so, the others follow. Random ones are `wanted`, if such are found.
+pub(super) fn poses(
+    model: &Model,
+    constraints: &Constraints,
+    level: Level,
+    reach: f64,
+    wanted: impl Fn(&[f64]) -> bool,
+) -> Vec<Vec<f64>> {
     let numbers = Numbers::of(level);
     let mut sampler = Sampler { model, constraints, reach, random: Random::new(SEED) };
     let mut poses = vec![];
     for number in 0..numbers.random {
-        poses.push(sampler.random(number));
+        let tries = (0..TRIES).map(|further| sampler.random(number + further));
+        poses.extend(first_wanted(tries, &wanted));
     }
     for _ in 0..numbers.lattice {
         poses.push(sampler.each(Sampler::lattice));
@@ -57,8 +67,11 @@ pub(super) fn poses(model: &Model, constraints: &Constraints, level: Level, reac
         for joint in &constraints.independent {
             let mut q = sampler.random(index);
             // The first ones are at the multiple itself.
-            let off =
-                index.checked_sub(2).and_then(|index| NEAR.get(index as usize % NEAR.len())).copied().unwrap_or(0.0);
+            let off = index
+                .checked_sub(2)
+                .and_then(|index| NEAR.get(index as usize % NEAR.len()))
+                .copied()
+                .unwrap_or(0.0);
             let value = sampler.lattice(*joint) + off * sampler.stroke(*joint);
             if let Some(slot) = q.get_mut(*joint) {
                 *slot = value;
@@ -68,6 +81,18 @@ pub(super) fn poses(model: &Model, constraints: &Constraints, level: Level, reac
         }
     }
     poses
+}
+
+/// The first of some joint vectors that is wanted, else the last.
+fn first_wanted(tries: impl Iterator<Item = Vec<f64>>, wanted: impl Fn(&[f64]) -> bool) -> Option<Vec<f64>> {
+    let mut latest = None;
+    for q in tries {
+        if wanted(&q) {
+            return Some(q);
+        }
+        latest = Some(q);
+    }
+    latest
 }
 
 struct Sampler<'m> {

@@ -8,12 +8,15 @@ use dh_core::Frame;
 /// The robot at one joint vector, from the product alone.
 pub(super) struct Reference<'m> {
     model: &'m Model,
+    /// rad or m
+    pub(super) q: Vec<f64>,
     pub(super) frames: Frames,
 }
 
 impl<'m> Reference<'m> {
-    pub(super) fn at(model: &'m Model, q: &[f64]) -> Self {
-        Reference { model, frames: product::frames(model, q) }
+    pub(super) fn at(model: &'m Model, q: Vec<f64>) -> Self {
+        let frames = product::frames(model, &q);
+        Reference { model, q, frames }
     }
 
     /// The flange, which is the frame of the last row.

@@ -24,7 +24,8 @@ impl<S: Float> Condition<S> {
         Self { form, strict: true }
     }
 
-    fn holds(&self) -> bool {
+    /// Whether it holds.
+    pub fn holds(&self) -> bool {
         if self.strict { self.form < S::ZERO } else { self.form <= S::from_f64(AT_THE_BOUND) }
     }
 }

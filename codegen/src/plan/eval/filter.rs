@@ -1,10 +1,7 @@
 //! The `where` of an inverse problem on a candidate.
 
 use crate::model::{JointKind, Model, Problem};
-use dh_core::Float;
-
-/// How far (rad or m) a bound that is included may be passed: roots at the bound itself are rounded to either side.
-const TOLERANCE: f64 = 1e-9;
+use dh_core::{Condition, Float};
 
 /// sum of coefficient * theta (or d) + constant <= 0.
 #[derive(Debug, Clone)]
@@ -39,14 +36,11 @@ impl<S: Float> Filter<S> {
         problem.filters.iter().map(filter).collect()
     }
 
-    /// By how much (rad or m) joint variables break the inequality, every theta taken in (-pi, pi]; `None` where
-    /// they satisfy it.
-    pub(super) fn broken_by(&self, q: &[S]) -> Option<S> {
+    /// The inequality at joint variables (rad or m), every theta taken in (-pi, pi].
+    pub(super) fn at(&self, q: &[S]) -> Condition<S> {
         let add = |sum, (variable, factor): &(Variable<S>, S)| sum + *factor * variable.at(q);
         let form = self.terms.iter().fold(self.constant, add);
-        let tolerance = S::from_f64(TOLERANCE).max(S::from_f64(16.0) * S::EPSILON);
-        let kept = if self.strict { form < S::ZERO } else { form <= tolerance };
-        if kept { None } else { Some(form) }
+        if self.strict { Condition::below_zero(form) } else { Condition::at_most_zero(form) }
     }
 }
 

@@ -4,7 +4,7 @@ use super::filter::Filter;
 use super::routine::{Instruction, Kernel, Register, Routine, Solve};
 use super::trace::Event;
 use crate::plan::Function;
-use dh_core::{Float, Frame, MAX_JOINTS, Roots, Rule, Search, Target, residual_tolerance};
+use dh_core::{Condition, Float, Frame, MAX_JOINTS, Roots, Search, Target, residual_tolerance};
 
 /// The registers of one run. Register numbers were checked when the function was lowered.
 pub(super) struct Registers<S>(Vec<S>);
@@ -165,19 +165,11 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
         self.fk.code.iter().for_each(|instruction| forward_registers.compute(instruction));
         let tool = frame(&self.fk.outputs, &forward_registers);
         let (position_error, rotation_error) = self.target.errors(&tool);
-        let broken =
-            self.filters.iter().enumerate().find_map(|(index, filter)| {
-                filter.broken_by(joints).map(|excess| Rule::Where { index, excess })
-            });
-        // Only what is a solution can be refused for its joints; a false root is the search's to judge.
+        let conditions: Vec<_> = self.filters.iter().map(|filter| filter.at(joints)).collect();
         let tolerance = residual_tolerance::<S>();
         let hits = position_error <= tolerance * self.reach && rotation_error <= tolerance;
-        let refusal = broken.filter(|_| hits);
-        let kept = hits && refusal.is_none();
+        let kept = hits && conditions.iter().all(Condition::holds);
         (self.observer)(Event::Candidate { q: joints, position_error, rotation_error, kept });
-        match refusal {
-            Some(rule) => self.search.refuse(rule),
-            None => self.search.accept(q, position_error, rotation_error),
-        }
+        self.search.accept_where(q, position_error, rotation_error, &conditions);
     }
 }
