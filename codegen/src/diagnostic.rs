@@ -61,29 +61,18 @@ impl Diagnostic {
 
     /// A warning with a code of the catalogue.
     pub fn warning(code: &'static str, message: impl Into<String>) -> Diagnostic {
-        Diagnostic {
-            severity: Severity::Warning,
-            ..Diagnostic::error(code, message)
-        }
+        Diagnostic { severity: Severity::Warning, ..Diagnostic::error(code, message) }
     }
 
     /// Underlines the place that the message speaks of.
     pub fn at(mut self, span: Range<usize>, text: impl Into<String>) -> Diagnostic {
-        self.labels.push(Label {
-            span,
-            text: text.into(),
-            primary: true,
-        });
+        self.labels.push(Label { span, text: text.into(), primary: true });
         self
     }
 
     /// Underlines a place that explains it.
     pub fn beside(mut self, span: Range<usize>, text: impl Into<String>) -> Diagnostic {
-        self.labels.push(Label {
-            span,
-            text: text.into(),
-            primary: false,
-        });
+        self.labels.push(Label { span, text: text.into(), primary: false });
         self
     }
 
@@ -126,10 +115,7 @@ impl Diagnostics {
 
     /// How many errors there are.
     pub fn errors(&self) -> usize {
-        self.items
-            .iter()
-            .filter(|item| item.severity == Severity::Error)
-            .count()
+        self.items.iter().filter(|item| item.severity == Severity::Error).count()
     }
 
     /// How many there are.
@@ -175,9 +161,7 @@ pub fn nearest<'a>(written: &str, names: impl IntoIterator<Item = &'a str>) -> O
         let distance = strsim::damerau_levenshtein(&lower, &lower_name);
         // Of words of one or two letters each is near to any other.
         let near = distance == 0
-            || (letters > 2
-                && distance <= (letters / 3).max(1)
-                && distance < lower.chars().count());
+            || (letters > 2 && distance <= (letters / 3).max(1) && distance < lower.chars().count());
         let begun = lower.len() > 2 && lower_name.starts_with(&lower);
         if (near || begun) && best.is_none_or(|(least, _)| distance < least) {
             best = Some((distance, name));
@@ -191,19 +175,15 @@ mod tests {
     use super::*;
     use expect_test::expect;
 
-    const TEXT: &str =
-        "[robot]\nname = \"x\"\nnmae = 3\n\n[[joint]]\nd = 1\nlimits = [\n  2,\n  1,\n]\n";
+    const TEXT: &str = "[robot]\nname = \"x\"\nnmae = 3\n\n[[joint]]\nd = 1\nlimits = [\n  2,\n  1,\n]\n";
 
     fn sample() -> Diagnostics {
         let mut diagnostics = Diagnostics::new();
         diagnostics.push(
-            Diagnostic::error(
-                catalogue::LIMITS_ORDER,
-                "the lower limit is above the upper one",
-            )
-            .at(54..67, "2 > 1")
-            .beside(29..38, "of this joint")
-            .help("write `limits = [1, 2]`"),
+            Diagnostic::error(catalogue::LIMITS_ORDER, "the lower limit is above the upper one")
+                .at(54..67, "2 > 1")
+                .beside(29..38, "of this joint")
+                .help("write `limits = [1, 2]`"),
         );
         diagnostics.push(
             Diagnostic::warning(catalogue::UNKNOWN_KEY, "unknown key `nmae`")
@@ -290,8 +270,7 @@ mod tests {
     #[test]
     fn places_outside_the_text_are_drawn_at_its_end() {
         let mut diagnostics = Diagnostics::new();
-        diagnostics
-            .push(Diagnostic::error(catalogue::SYNTAX, "unexpected end").at(900..1000, "here"));
+        diagnostics.push(Diagnostic::error(catalogue::SYNTAX, "unexpected end").at(900..1000, "here"));
         diagnostics.push(Diagnostic::error(catalogue::SYNTAX, "inside a letter").at(1..2, ""));
         let drawn = diagnostics.render("é = é", "x.toml", Style::Plain);
         assert!(drawn.contains("x.toml:1:"), "{drawn}");

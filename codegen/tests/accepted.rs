@@ -4,9 +4,7 @@
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use dh_codegen::diagnostic::{Diagnostics, Style};
-use dh_codegen::model::{
-    self, Angle, Convention, JointKind, Limits, Model, Rotation, Target, product,
-};
+use dh_codegen::model::{self, Angle, Convention, JointKind, Limits, Model, Rotation, Target, product};
 use dh_codegen::table;
 
 /// The model of a table about which nothing is to be said.
@@ -24,7 +22,8 @@ fn checked(text: &str) -> (Model, String) {
 }
 
 const METRES: &str = "[robot]\nname = \"test\"\nconvention = \"standard\"\n";
-const MILLIMETRES: &str = "[robot]\nname = \"test\"\nconvention = \"standard\"\nunits = { length = \"mm\", angle = \"deg\" }\n";
+const MILLIMETRES: &str =
+    "[robot]\nname = \"test\"\nconvention = \"standard\"\nunits = { length = \"mm\", angle = \"deg\" }\n";
 
 /// The table that the reference of the format shows.
 const REFERENCE: &str = include_str!("reference.toml");
@@ -32,11 +31,7 @@ const REFERENCE: &str = include_str!("reference.toml");
 /// Its `rest` is outside its own example of a `[[limit]]`, which is a doubt and no mistake.
 fn reference(text: &str) -> Model {
     let (model, said) = checked(text);
-    assert_eq!(
-        said.matches("warning[pose-outside-limits]").count(),
-        1,
-        "{said}"
-    );
+    assert_eq!(said.matches("warning[pose-outside-limits]").count(), 1, "{said}");
     assert!(!said.contains("error"), "{said}");
     model
 }
@@ -49,18 +44,9 @@ fn the_table_of_the_reference() {
     assert_eq!(model.convention, Convention::Standard);
     assert_eq!((model.rows.len(), model.joints.len()), (6, 6));
     let first = &model.rows[0];
-    assert_eq!(
-        (first.d, first.a, first.kind),
-        (0.14, 0.0, JointKind::Revolute)
-    );
+    assert_eq!((first.d, first.a, first.kind), (0.14, 0.0, JointKind::Revolute));
     assert_eq!(first.alpha.fifteenths, Some(6));
-    assert_eq!(
-        first.limits,
-        Some(Limits {
-            min: -FRAC_PI_2,
-            max: FRAC_PI_2
-        })
-    );
+    assert_eq!(first.limits, Some(Limits { min: -FRAC_PI_2, max: FRAC_PI_2 }));
     assert!((first.max_velocity.unwrap() - 160.0 / 180.0 * PI).abs() < 1e-15);
     assert_eq!(&REFERENCE[first.span.clone()][..9], "[[joint]]");
     assert!(REFERENCE[first.span.clone()].ends_with("zero = -90 }"));
@@ -73,34 +59,18 @@ fn the_table_of_the_reference() {
     assert!((servo.scale * FRAC_PI_2 + servo.zero).abs() < 1e-12);
     assert_eq!(model.rows[1].theta.fifteenths, Some(6));
     assert_eq!(model.workspace.bounds.len(), 1);
-    assert_eq!(
-        (
-            model.workspace.bounds[0].axis,
-            model.workspace.bounds[0].is_min
-        ),
-        (2, true)
-    );
+    assert_eq!((model.workspace.bounds[0].axis, model.workspace.bounds[0].is_min), (2, true));
     assert_eq!(model.workspace.bounds[0].value, 0.015);
     assert_eq!(model.workspace.keep_out[0].min, [-0.05, -0.05, 0.0]);
     assert_eq!(model.sums[0].terms, [(1, 1.0), (2, 1.0)]);
     assert_eq!(
-        model
-            .poses
-            .iter()
-            .map(|pose| (pose.name.as_str(), pose.safe))
-            .collect::<Vec<_>>(),
+        model.poses.iter().map(|pose| (pose.name.as_str(), pose.safe)).collect::<Vec<_>>(),
         [("zero", false), ("rest", true)]
     );
-    assert_eq!(
-        model.device.as_ref().unwrap().keys,
-        [("baud".to_owned(), "1000000".to_owned())]
-    );
+    assert_eq!(model.device.as_ref().unwrap().keys, [("baud".to_owned(), "1000000".to_owned())]);
     assert_eq!(model.problems.len(), 2);
     let down = &model.problems[0];
-    assert_eq!(
-        (down.name.as_str(), down.target),
-        ("tool_down", Target::Position)
-    );
+    assert_eq!((down.name.as_str(), down.target), ("tool_down", Target::Position));
     // theta2 + theta3 + theta4 = pi/2, theta5 = -pi/2, theta6 - theta1 = 0
     assert_eq!(down.constraints[0].terms, [(1, 1.0), (2, 1.0), (3, 1.0)]);
     assert_eq!(down.constraints[0].constant.fifteenths, Some(6));
@@ -109,17 +79,9 @@ fn the_table_of_the_reference() {
     assert_eq!(down.constraints[2].terms, [(0, -1.0), (5, 1.0)]);
     assert_eq!(down.constraints[2].constant.fifteenths, Some(0));
     let up = &model.problems[1].filters[0];
-    assert_eq!(
-        (up.form.terms.as_slice(), up.form.constant.value, up.strict),
-        (&[(2, 1.0)][..], 0.0, false)
-    );
+    assert_eq!((up.form.terms.as_slice(), up.form.constant.value, up.strict), (&[(2, 1.0)][..], 0.0, false));
     assert_eq!(model.windings.len(), 6);
-    assert!(
-        model
-            .windings
-            .iter()
-            .all(|winding| winding.turn == TAU && winding.carries.is_empty())
-    );
+    assert!(model.windings.iter().all(|winding| winding.turn == TAU && winding.carries.is_empty()));
 }
 
 /// `d` of a row whose d is written like this.
@@ -156,11 +118,7 @@ fn numbers_are_in_the_units_of_the_table_unless_they_bring_their_own() {
         ("'140'", 0.14),
         ("\"\"\"140\"\"\"", 0.14),
     ] {
-        assert!(
-            (length(written) - metres).abs() < 1e-15,
-            "{written} is {}",
-            length(written)
-        );
+        assert!((length(written) - metres).abs() < 1e-15, "{written} is {}", length(written));
     }
 }
 
@@ -183,11 +141,7 @@ fn angles_that_are_multiples_of_15_degrees_are_exact() {
         ("\"pi - 2*pi\"", -12),
         ("\"360/24\"", 1),
     ] {
-        assert_eq!(
-            angle(MILLIMETRES, written).fifteenths,
-            Some(fifteenths),
-            "{written}"
-        );
+        assert_eq!(angle(MILLIMETRES, written).fifteenths, Some(fifteenths), "{written}");
     }
     assert_eq!(angle(METRES, "1.5707963267948966").fifteenths, Some(6));
     assert_eq!(angle(METRES, "\"sin(pi/6) * pi\"").fifteenths, Some(6));
@@ -201,52 +155,27 @@ fn calibrated_and_other_numbers_get_no_warning() {
         let (_, said) = checked(&format!("{METRES}[[joint]]\nalpha = {written}\n"));
         assert!(said.starts_with("warning[rounded-angle]"), "{written}");
     }
-    for written in [
-        "1.5707",
-        "1.572",
-        "1.6",
-        "2.88",
-        "0.26",
-        "1.5712345",
-        "1.570796326794",
-        "0.0",
-        "0.0001",
-        "7.85e-1",
-    ] {
+    for written in
+        ["1.5707", "1.572", "1.6", "2.88", "0.26", "1.5712345", "1.570796326794", "0.0", "0.0001", "7.85e-1"]
+    {
         model_of(&format!("{METRES}[[joint]]\nalpha = {written}\n"));
     }
     // In degrees no multiple of 15 needs rounding.
-    model_of(&format!(
-        "{MILLIMETRES}[[joint]]\nalpha = 1.5708\n[[joint]]\nalpha = 89.98\n"
-    ));
+    model_of(&format!("{MILLIMETRES}[[joint]]\nalpha = 1.5708\n[[joint]]\nalpha = 89.98\n"));
 }
 
 #[test]
 fn base_and_tool_are_exact_too() {
-    let rotation = |line: &str| {
-        model_of(&format!("{METRES}[[joint]]\n[tool]\n{line}\n"))
-            .tool
-            .rotation
-    };
-    let rpy = |roll: i32, pitch: i32, yaw: i32| {
-        Rotation::Rpy([roll, pitch, yaw].map(Angle::from_fifteenths))
-    };
+    let rotation = |line: &str| model_of(&format!("{METRES}[[joint]]\n[tool]\n{line}\n")).tool.rotation;
+    let rpy = |roll: i32, pitch: i32, yaw: i32| Rotation::Rpy([roll, pitch, yaw].map(Angle::from_fifteenths));
     assert_eq!(rotation("rpy = [0, \"pi/2\", \"-45 deg\"]"), rpy(0, 6, -3));
     assert_eq!(rotation("quaternion = [0, 0, 0, 1]"), rpy(0, 0, 0));
     assert_eq!(rotation("quaternion = [0, 0, 0, -2]"), rpy(0, 0, 0));
-    assert_eq!(
-        rotation("quaternion = [0, 0, 0.7071, 0.7071]"),
-        rpy(0, 0, 6)
-    );
+    assert_eq!(rotation("quaternion = [0, 0, 0.7071, 0.7071]"), rpy(0, 0, 6));
     assert_eq!(rotation("quaternion = [0, 1, 0, 1]"), rpy(0, 6, 0));
     assert_eq!(rotation("quaternion = [1, 0, 0, 0]"), rpy(12, 0, 0));
-    assert_eq!(
-        rotation("quaternion = [1e-200, 0, 0, 1e-200]"),
-        rpy(6, 0, 0)
-    );
-    let Rotation::Matrix(rows) = rotation("quaternion = [0.1, 0.2, 0.3, 0.9]") else {
-        panic!("not exact")
-    };
+    assert_eq!(rotation("quaternion = [1e-200, 0, 0, 1e-200]"), rpy(6, 0, 0));
+    let Rotation::Matrix(rows) = rotation("quaternion = [0.1, 0.2, 0.3, 0.9]") else { panic!("not exact") };
     for (i, one) in rows.iter().enumerate() {
         for (j, two) in rows.iter().enumerate() {
             let product: f64 = one.iter().zip(two).map(|(x, y)| x * y).sum();
@@ -270,11 +199,7 @@ fn every_quaternion_is_the_rotation_that_it_names() {
         let length = f64::sqrt(x * x + y * y + z * z + w * w);
         let ([x, y, z], w) = ([x / length, y / length, z / length], w / length);
         let cross = |a: [f64; 3], b: [f64; 3]| {
-            [
-                a[1] * b[2] - a[2] * b[1],
-                a[2] * b[0] - a[0] * b[2],
-                a[0] * b[1] - a[1] * b[0],
-            ]
+            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
         };
         for column in 0..3 {
             let mut v = [0.0; 3];
@@ -297,19 +222,11 @@ fn prismatic_joints_slide_and_held_joints_stay() {
          couple = {{ J1 = 0.5 }}\n[poses]\nhome = [50, \"pi/4\"]\n"
     ));
     assert_eq!(model.joints, [0, 2]);
-    let [slide, held, turn] = model.rows.as_slice() else {
-        panic!("three rows")
-    };
-    assert_eq!(
-        (slide.d, slide.theta.fifteenths, slide.terms.as_slice()),
-        (0.02, Some(6), &[(0, -1.0)][..])
-    );
+    let [slide, held, turn] = model.rows.as_slice() else { panic!("three rows") };
+    assert_eq!((slide.d, slide.theta.fifteenths, slide.terms.as_slice()), (0.02, Some(6), &[(0, -1.0)][..]));
     assert_eq!(slide.limits, Some(Limits { min: 0.0, max: 0.1 }));
     assert!((slide.servo.as_ref().unwrap().scale - 10_000.0).abs() < 1e-9);
-    assert_eq!(
-        (held.variable, held.terms.len(), held.theta.fifteenths),
-        (None, 0, Some(2))
-    );
+    assert_eq!((held.variable, held.terms.len(), held.theta.fifteenths), (None, 0, Some(2)));
     // Half a degree per millimetre.
     assert_eq!(turn.terms[1], (1, 1.0));
     assert!((turn.terms[0].1 - 0.5 * PI / 180.0 * 1000.0).abs() < 1e-12);
@@ -323,21 +240,12 @@ fn a_list_of_rows_is_as_good_as_headers() {
         "joint = [{ a = 0.3 }, { a = 0.2, name = \"elbow\" }]\n[robot]\nname = \"x\"\nconvention = \"modified\"\n",
     );
     assert_eq!(
-        model
-            .rows
-            .iter()
-            .map(|row| (row.name.as_str(), row.line))
-            .collect::<Vec<_>>(),
+        model.rows.iter().map(|row| (row.name.as_str(), row.line)).collect::<Vec<_>>(),
         [("J1", 1), ("elbow", 1)]
     );
     // The servo after [[joint]] rows belongs to the last one.
-    let model = model_of(&format!(
-        "{METRES}[[joint]]\n[[joint]]\n[joint.servo]\nid = 4\n"
-    ));
-    assert_eq!(
-        model.rows[1].servo.as_ref().and_then(|servo| servo.id),
-        Some(4)
-    );
+    let model = model_of(&format!("{METRES}[[joint]]\n[[joint]]\n[joint.servo]\nid = 4\n"));
+    assert_eq!(model.rows[1].servo.as_ref().and_then(|servo| servo.id), Some(4));
     assert!(model.rows[0].servo.is_none());
 }
 
@@ -357,21 +265,13 @@ fn constraints_in_q_and_names_are_turned_into_theta() {
     assert_eq!(problem.constraints[1].terms, [(3, 1.0)]);
     assert!((problem.constraints[1].constant.value - 0.035).abs() < 1e-15);
     // theta3 = q3 - q2 + 10, theta2 = q2 + 30: q3 = theta3 - 10 + theta2 - 30, and 0 - q3 <= 0.
-    let [third, second, slide] = problem.filters.as_slice() else {
-        panic!("three filters")
-    };
+    let [third, second, slide] = problem.filters.as_slice() else { panic!("three filters") };
     assert_eq!(third.form.terms, [(1, -1.0), (2, -1.0)]);
     assert!((third.form.constant.value - 40.0 / 180.0 * PI).abs() < 1e-15);
     assert!(!third.strict);
-    assert_eq!(
-        (second.form.terms.as_slice(), second.strict),
-        (&[(1, 2.0)][..], true)
-    );
+    assert_eq!((second.form.terms.as_slice(), second.strict), (&[(1, 2.0)][..], true));
     assert!((second.form.constant.value - (-PI / 3.0 - PI)).abs() < 1e-15);
-    assert_eq!(
-        (slide.form.terms.as_slice(), slide.form.constant.value),
-        (&[(3, -1.0)][..], 0.02)
-    );
+    assert_eq!((slide.form.terms.as_slice(), slide.form.constant.value), (&[(3, -1.0)][..], 0.02));
 }
 
 #[test]
@@ -380,9 +280,7 @@ fn a_bare_addend_is_in_units_of_the_table() {
         let text = format!(
             "{MILLIMETRES}[[joint]]\n[[joint]]\n[[joint]]\n[[ik]]\nname = \"x\"\ntarget = \"xy\"\nconstraints = [\"{constraint}\"]\n"
         );
-        model_of(&text).problems[0].constraints[0]
-            .constant
-            .fifteenths
+        model_of(&text).problems[0].constraints[0].constant.fifteenths
     };
     assert_eq!(problem("theta1 = 90 - theta2"), Some(6));
     assert_eq!(problem("theta1 + theta2 - 90 = 0"), Some(6));
@@ -403,17 +301,9 @@ fn held_joints_may_be_coupled() {
     let model = model_of(&text);
     assert_eq!(model.joints, [0, 1, 2, 4]);
     assert_eq!(model.rows[3].terms, [(2, -1.0)]);
-    assert_eq!(
-        model.problems[1].constraints[0].terms,
-        [(1, -1.0), (3, 1.0)]
-    );
+    assert_eq!(model.problems[1].constraints[0].terms, [(1, -1.0), (3, 1.0)]);
     assert_eq!(model.windings.len(), 4);
-    assert!(
-        model
-            .windings
-            .iter()
-            .all(|winding| winding.turn == TAU && winding.carries.is_empty())
-    );
+    assert!(model.windings.iter().all(|winding| winding.turn == TAU && winding.carries.is_empty()));
 }
 
 #[test]
@@ -428,9 +318,7 @@ fn windings_leave_every_frame_where_it_is() {
         let rows = rows.replace("[[joint]]\n", "[[joint]]\na = 0.2\nalpha = 0.4\n");
         let model = model_of(&format!("{METRES}{rows}"));
         assert_eq!(model.windings.len(), count, "{rows}");
-        let q: Vec<f64> = (0..model.joints.len())
-            .map(|joint| 0.3 + 0.4 * joint as f64)
-            .collect();
+        let q: Vec<f64> = (0..model.joints.len()).map(|joint| 0.3 + 0.4 * joint as f64).collect();
         let before = product::frames(&model, &q);
         let mut seen: Vec<usize> = Vec::new();
         for winding in &model.windings {
@@ -440,39 +328,22 @@ fn windings_leave_every_frame_where_it_is() {
             wound[winding.joint] += winding.turn;
             for &(joint, by) in &winding.carries {
                 wound[joint] += by;
-                assert!(
-                    !seen.contains(&joint),
-                    "{rows}: joint {joint} is carried after its own turn"
-                );
+                assert!(!seen.contains(&joint), "{rows}: joint {joint} is carried after its own turn");
             }
             let after = product::frames(&model, &wound);
             for (one, two) in before.rows.iter().zip(&after.rows) {
-                let difference = one
-                    .iter()
-                    .flatten()
-                    .zip(two.iter().flatten())
-                    .map(|(x, y)| (x - y).abs());
-                assert!(
-                    difference.fold(0.0, f64::max) < 1e-12,
-                    "{rows}: {winding:?}"
-                );
+                let difference = one.iter().flatten().zip(two.iter().flatten()).map(|(x, y)| (x - y).abs());
+                assert!(difference.fold(0.0, f64::max) < 1e-12, "{rows}: {winding:?}");
             }
         }
     }
-    let halves = model_of(&format!(
-        "{METRES}[[joint]]\n[[joint]]\n[[joint]]\ncouple = {{ J2 = 0.5 }}\n"
-    ));
+    let halves = model_of(&format!("{METRES}[[joint]]\n[[joint]]\n[[joint]]\ncouple = {{ J2 = 0.5 }}\n"));
     assert_eq!(halves.windings[1].carries, [(2, PI)]);
 }
 
 #[test]
 fn problems_that_come_out_even() {
-    let joints = |count: usize| {
-        format!(
-            "{METRES}{}",
-            "[[joint]]\nalpha = \"pi/2\"\na = 0.1\n".repeat(count)
-        )
-    };
+    let joints = |count: usize| format!("{METRES}{}", "[[joint]]\nalpha = \"pi/2\"\na = 0.1\n".repeat(count));
     for (count, target, more) in [
         (2, "xy", ""),
         (2, "direction", ""),
@@ -487,16 +358,9 @@ fn problems_that_come_out_even() {
         (4, "pose", ""),
         (6, "pose", "constraints = [\"q1 = 0\"]"),
         (7, "pose", "free = [\"J3\"]"),
-        (
-            7,
-            "position",
-            "constraints = [\"q1 = 0\", \"q2 = q3\"]\nfree = [\"J4\", \"J5\"]",
-        ),
+        (7, "position", "constraints = [\"q1 = 0\", \"q2 = q3\"]\nfree = [\"J4\", \"J5\"]"),
     ] {
-        let text = format!(
-            "{}[[ik]]\nname = \"x\"\ntarget = \"{target}\"\n{more}\n",
-            joints(count)
-        );
+        let text = format!("{}[[ik]]\nname = \"x\"\ntarget = \"{target}\"\n{more}\n", joints(count));
         let problem = &model_of(&text).problems[0];
         assert_eq!(problem.target.name(), target);
     }
@@ -508,20 +372,13 @@ fn the_fingerprint_follows_what_is_computed_and_nothing_else() {
     let reference = fingerprint(REFERENCE);
     for (from, to) in [
         ("d = 140.0 ", "d = \"0.14 m\" "),
-        (
-            "name = \"myCobot 280 Pi\"",
-            "name = \"another\"\n\n# a remark",
-        ),
+        ("name = \"myCobot 280 Pi\"", "name = \"another\"\n\n# a remark"),
         ("alpha = 90\n", "alpha = \"pi/2\"\n"),
         ("convention = \"standard\"", "\tconvention = 'standard'"),
         ("\n", "\r\n"),
     ] {
         assert!(REFERENCE.contains(from));
-        assert_eq!(
-            fingerprint(&REFERENCE.replace(from, to)),
-            reference,
-            "{from} -> {to}"
-        );
+        assert_eq!(fingerprint(&REFERENCE.replace(from, to)), reference, "{from} -> {to}");
     }
     let mut others = vec![reference];
     for (from, to) in [
@@ -560,9 +417,7 @@ fn a_table_of_more_than_256_kib_is_refused() {
 
 #[test]
 fn there_is_a_model_in_spite_of_mistakes_for_what_else_is_generated() {
-    let (model, said) = checked(&format!(
-        "{METRES}[[joint]]\nalpah = 1\n[[joint]]\nd = \"1 +\"\n"
-    ));
+    let (model, said) = checked(&format!("{METRES}[[joint]]\nalpah = 1\n[[joint]]\nd = \"1 +\"\n"));
     assert_eq!(model.joints.len(), 2);
     assert_eq!(said.matches("error[").count(), 2, "{said}");
 }

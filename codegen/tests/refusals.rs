@@ -13,10 +13,7 @@ fn tables() -> Vec<PathBuf> {
     let mut tables: Vec<PathBuf> = std::fs::read_dir(folder)
         .unwrap()
         .map(|entry| entry.unwrap().path())
-        .filter(|path| {
-            path.extension()
-                .is_some_and(|extension| extension == "toml")
-        })
+        .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
         .collect();
     tables.sort();
     tables
@@ -26,10 +23,7 @@ fn diagnostics_of(text: &str) -> Diagnostics {
     let mut diagnostics = Diagnostics::new();
     let table = table::parse(text, &mut diagnostics);
     let model = model::check(&table, &mut diagnostics);
-    assert!(
-        model.is_some() || diagnostics.has_errors(),
-        "no model, and nothing said about it"
-    );
+    assert!(model.is_some() || diagnostics.has_errors(), "no model, and nothing said about it");
     diagnostics
 }
 
@@ -67,27 +61,10 @@ fn every_diagnostic_has_a_place_inside_the_text_and_help() {
     for path in tables() {
         let text = std::fs::read_to_string(&path).unwrap();
         for diagnostic in diagnostics_of(&text).sorted() {
-            assert!(
-                !diagnostic.labels.is_empty(),
-                "{}: {}",
-                path.display(),
-                diagnostic.message
-            );
-            assert!(
-                diagnostic
-                    .labels
-                    .iter()
-                    .all(|label| label.span.end <= text.len()),
-                "{}",
-                path.display()
-            );
+            assert!(!diagnostic.labels.is_empty(), "{}: {}", path.display(), diagnostic.message);
+            assert!(diagnostic.labels.iter().all(|label| label.span.end <= text.len()), "{}", path.display());
 
-            assert!(
-                !diagnostic.help.is_empty(),
-                "{}: {}",
-                path.display(),
-                diagnostic.message
-            );
+            assert!(!diagnostic.help.is_empty(), "{}: {}", path.display(), diagnostic.message);
             assert!(!diagnostic.message.ends_with('.'), "{}", diagnostic.message);
         }
     }
@@ -196,9 +173,8 @@ fn no_mutation_panics() {
 
 #[test]
 fn nothing_large_or_deep_hangs() {
-    let deep = |open: &str, close: &str, count: usize| {
-        format!("{}1{}", open.repeat(count), close.repeat(count))
-    };
+    let deep =
+        |open: &str, close: &str, count: usize| format!("{}1{}", open.repeat(count), close.repeat(count));
     let head = "[robot]\nname = \"x\"\nconvention = \"standard\"\n[[joint]]\n";
     let texts = [
         format!("{head}d = \"{}\"", deep("(", ")", 60_000)),
@@ -232,11 +208,7 @@ fn nothing_large_or_deep_hangs() {
             "{head}[[ik]]\nname = \"x\"\ntarget = \"xy\"\nconstraints = [\"{}q1 = 1\"]",
             "q1 + ".repeat(40_000)
         ),
-        format!(
-            "{head}name = \"{}\"\nd = \"{}\"",
-            "n".repeat(100_000),
-            "x".repeat(100_000)
-        ),
+        format!("{head}name = \"{}\"\nd = \"{}\"", "n".repeat(100_000), "x".repeat(100_000)),
         format!("{head}d = {}", "9".repeat(200_000)),
         format!("{head}d = 0x{}", "f".repeat(200_000)),
         format!(

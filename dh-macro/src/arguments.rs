@@ -48,14 +48,18 @@ impl Arguments {
             ("scalar", Some("f64")) => self.scalar = ScalarType::F64,
             ("scalar", Some("f32")) => self.scalar = ScalarType::F32,
             ("types", Some("nalgebra")) if cfg!(feature = "nalgebra") => self.types = Types::Nalgebra,
-            ("types", Some("nalgebra")) => return Err("dh-runtime is built without its feature `nalgebra`".to_owned()),
+            ("types", Some("nalgebra")) => {
+                return Err("dh-runtime is built without its feature `nalgebra`".to_owned());
+            }
             ("types", Some("plain")) => self.types = Types::Plain,
             ("warnings", Some("on")) => self.warnings = true,
             ("warnings", Some("off")) => self.warnings = false,
             ("scalar", _) => return Err("`scalar` is \"f64\" or \"f32\"".to_owned()),
             ("types", _) => return Err("`types` is \"nalgebra\" or \"plain\"".to_owned()),
             ("warnings", _) => return Err("`warnings` is \"on\" or \"off\"".to_owned()),
-            _ => return Err(format!("dh_robot has no option `{name}`, but `scalar`, `types` and `warnings`")),
+            _ => {
+                return Err(format!("dh_robot has no option `{name}`, but `scalar`, `types` and `warnings`"));
+            }
         }
         Ok(())
     }
@@ -80,7 +84,11 @@ fn letters(literal: &Literal) -> Option<String> {
     let mut letters = String::new();
     while let Some(character) = characters.next() {
         // Paths and options need no other escapes.
-        letters.push(if character == '\\' { characters.next().filter(|c| "\\\"".contains(*c))? } else { character });
+        letters.push(if character == '\\' {
+            characters.next().filter(|c| "\\\"".contains(*c))?
+        } else {
+            character
+        });
     }
     Some(letters)
 }

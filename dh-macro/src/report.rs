@@ -17,9 +17,17 @@ impl Report {
     }
 
     /// What the compiler of tables says, drawn over the table's text, at the table's name.
-    pub(crate) fn diagnostic(&mut self, diagnostic: &Diagnostic, text: &str, path: &str, arguments: &Arguments) {
+    pub(crate) fn diagnostic(
+        &mut self,
+        diagnostic: &Diagnostic,
+        text: &str,
+        path: &str,
+        arguments: &Arguments,
+    ) {
         match diagnostic.severity {
-            Severity::Error => self.mistake(&diagnostic.render(text, path, Style::WithinError), arguments.span),
+            Severity::Error => {
+                self.mistake(&diagnostic.render(text, path, Style::WithinError), arguments.span)
+            }
             Severity::Warning if !arguments.warnings => {}
             Severity::Warning => {
                 // A macro cannot warn; the use of something deprecated can.

@@ -19,19 +19,12 @@ pub(super) struct Joints<'a> {
 }
 
 /// `left = right`, as left - right = 0: the model's constant is on the right-hand side.
-pub(super) fn equation(
-    text: &Text,
-    joints: &Joints,
-    diagnostics: &mut Diagnostics,
-) -> Option<Form> {
+pub(super) fn equation(text: &Text, joints: &Joints, diagnostics: &mut Diagnostics) -> Option<Form> {
     let sides: Vec<Range<usize>> = split(&text.value, &["="]).0;
     let inequality = text.value.contains(['<', '>']);
     let (false, [left, right]) = (inequality, sides.as_slice()) else {
         let (message, help) = match sides.len() {
-            _ if inequality => (
-                "an inequality stands among the equations",
-                "write it in `where = [...]`",
-            ),
+            _ if inequality => ("an inequality stands among the equations", "write it in `where = [...]`"),
             3 if text.value.contains("==") => ("a constraint has one `=`", "write `=` for `==`"),
             1 => (
                 "a constraint is an equation",
@@ -39,11 +32,8 @@ pub(super) fn equation(
             ),
             _ => ("a constraint has one `=`", "write two constraints"),
         };
-        diagnostics.push(
-            Diagnostic::error(catalogue::BAD_CONSTRAINT, message)
-                .at(text.span.clone(), "")
-                .help(help),
-        );
+        diagnostics
+            .push(Diagnostic::error(catalogue::BAD_CONSTRAINT, message).at(text.span.clone(), "").help(help));
         return None;
     };
     let mut form = difference(text, left, right, joints, diagnostics)?;
@@ -53,58 +43,36 @@ pub(super) fn equation(
 }
 
 /// `left <= right` and its likes, as left - right <= 0.
-pub(super) fn inequality(
-    text: &Text,
-    joints: &Joints,
-    diagnostics: &mut Diagnostics,
-) -> Option<Filter> {
+pub(super) fn inequality(text: &Text, joints: &Joints, diagnostics: &mut Diagnostics) -> Option<Filter> {
     let (sides, operators) = split(&text.value, &["<=", ">=", "<", ">"]);
     let ([left, right], [operator]) = (sides.as_slice(), operators.as_slice()) else {
         let (message, help) = match operators.len() {
-            0 if text.value.contains('=') => (
-                "an equation stands among the inequalities",
-                "write it in `constraints = [...]`",
-            ),
-            2 => (
-                "an entry of `where` is one inequality",
-                "write two entries, one for each bound",
-            ),
-            _ => (
-                "an entry of `where` is one inequality",
-                "write `left <= right`, such as `\"theta3 <= 0\"`",
-            ),
+            0 if text.value.contains('=') => {
+                ("an equation stands among the inequalities", "write it in `constraints = [...]`")
+            }
+            2 => ("an entry of `where` is one inequality", "write two entries, one for each bound"),
+            _ => {
+                ("an entry of `where` is one inequality", "write `left <= right`, such as `\"theta3 <= 0\"`")
+            }
         };
-        diagnostics.push(
-            Diagnostic::error(catalogue::BAD_CONSTRAINT, message)
-                .at(text.span.clone(), "")
-                .help(help),
-        );
+        diagnostics
+            .push(Diagnostic::error(catalogue::BAD_CONSTRAINT, message).at(text.span.clone(), "").help(help));
         return None;
     };
-    let (least, greatest) = if operator.starts_with('<') {
-        (left, right)
-    } else {
-        (right, left)
-    };
+    let (least, greatest) = if operator.starts_with('<') { (left, right) } else { (right, left) };
     let form = difference(text, least, greatest, joints, diagnostics)?;
     if form.linear.terms.is_empty() {
         diagnostics.push(says_nothing(text));
         return None;
     }
-    Some(Filter {
-        form: form.linear,
-        strict: !operator.ends_with('='),
-    })
+    Some(Filter { form: form.linear, strict: !operator.ends_with('=') })
 }
 
 /// No joint is left in it.
 pub(super) fn says_nothing(text: &Text) -> Diagnostic {
-    Diagnostic::error(
-        catalogue::REDUNDANT,
-        "no joint is left in it, so it says nothing",
-    )
-    .at(text.span.clone(), "")
-    .help("leave it out")
+    Diagnostic::error(catalogue::REDUNDANT, "no joint is left in it, so it says nothing")
+        .at(text.span.clone(), "")
+        .help("leave it out")
 }
 
 /// The parts between operators, and the operators.
@@ -112,10 +80,7 @@ fn split<'a>(text: &str, operators: &[&'a str]) -> (Vec<Range<usize>>, Vec<&'a s
     let (mut parts, mut found) = (Vec::new(), Vec::new());
     let (mut start, mut at) = (0, 0);
     while let Some(rest) = text.get(at..).filter(|rest| !rest.is_empty()) {
-        if let Some(operator) = operators
-            .iter()
-            .find(|operator| rest.starts_with(**operator))
-        {
+        if let Some(operator) = operators.iter().find(|operator| rest.starts_with(**operator)) {
             parts.push(start..at);
             found.push(*operator);
             at += operator.len();
@@ -136,10 +101,7 @@ fn difference(
     diagnostics: &mut Diagnostics,
 ) -> Option<Form> {
     let find = |name: &str, span: Span| variable(name, span, joints);
-    let scope = Scope {
-        radians_per_angle: joints.units.radians_per_angle(),
-        variable: &find,
-    };
+    let scope = Scope { radians_per_angle: joints.units.radians_per_angle(), variable: &find };
     let mut sides = [left, right].map(|side| match evaluate_part(text, side.clone(), &scope) {
         Ok(value) => Some(value),
         Err(diagnostic) => {
@@ -188,32 +150,23 @@ fn variable(name: &str, span: Span, joints: &Joints) -> Result<usize, Box<Diagno
     if let (Some((letter, number)), Some(named)) = (numbered, named)
         && !(letter == "q" && number == named + 1)
     {
-        let message = format!(
-            "`{name}` is both {letter} of joint {number} and the name of joint {}",
-            named + 1
-        );
+        let message =
+            format!("`{name}` is both {letter} of joint {number} and the name of joint {}", named + 1);
         let ambiguous = Diagnostic::error(catalogue::UNKNOWN_VARIABLE, message)
             .at(span, "")
             .help(format!("give joint {} another name", named + 1));
         return Err(Box::new(ambiguous));
     }
-    let Some((letter, index)) = numbered
-        .map(|(letter, number)| (letter, number - 1))
-        .or(named.map(|row| ("q", row)))
+    let Some((letter, index)) =
+        numbered.map(|(letter, number)| (letter, number - 1)).or(named.map(|row| ("q", row)))
     else {
         return Err(Box::new(unknown_variable(name, span, rows)));
     };
     let Some(row) = rows.get(index) else {
-        let message = format!(
-            "`{name}`: there is no joint {}, the table has {}",
-            index + 1,
-            rows.len()
-        );
+        let message = format!("`{name}`: there is no joint {}, the table has {}", index + 1, rows.len());
         let help = "joints are numbered from 1 by their rows, held ones included";
         return Err(Box::new(
-            Diagnostic::error(catalogue::UNKNOWN_VARIABLE, message)
-                .at(span, "")
-                .help(help),
+            Diagnostic::error(catalogue::UNKNOWN_VARIABLE, message).at(span, "").help(help),
         ));
     };
     match (letter, row.kind, row.variable) {
@@ -221,21 +174,13 @@ fn variable(name: &str, span: Span, joints: &Joints) -> Result<usize, Box<Diagno
         ("q", _, None) => Err(Box::new(names::held(row, name, span))),
         ("theta", JointKind::Revolute, _) | ("d", JointKind::Prismatic, _) => Ok(index),
         (_, kind, _) => {
-            let (kind, right) = if kind == JointKind::Revolute {
-                ("revolute", "theta")
-            } else {
-                ("prismatic", "d")
-            };
+            let (kind, right) =
+                if kind == JointKind::Revolute { ("revolute", "theta") } else { ("prismatic", "d") };
             let number = index + 1;
-            let message = format!(
-                "`{name}` is fixed: joint {number} is {kind}, so what varies is {right}{number}"
-            );
+            let message =
+                format!("`{name}` is fixed: joint {number} is {kind}, so what varies is {right}{number}");
             let help = format!("write `{right}{number}`");
-            Err(Box::new(
-                Diagnostic::error(catalogue::UNKNOWN_VARIABLE, message)
-                    .at(span, "")
-                    .help(help),
-            ))
+            Err(Box::new(Diagnostic::error(catalogue::UNKNOWN_VARIABLE, message).at(span, "").help(help)))
         }
     }
 }
@@ -249,13 +194,13 @@ fn unknown_variable(name: &str, span: Span, rows: &[Row]) -> Diagnostic {
         .chain(rows.iter().map(|row| row.name.clone()))
         .chain(["pi".to_owned()])
         .collect();
-    let diagnostic = Diagnostic::error(
-        catalogue::UNKNOWN_VARIABLE,
-        format!("`{}` is no variable", shortened(name)),
-    )
-    .at(span, "");
+    let diagnostic =
+        Diagnostic::error(catalogue::UNKNOWN_VARIABLE, format!("`{}` is no variable", shortened(name)))
+            .at(span, "");
     match nearest(name, known.iter().map(String::as_str)) {
         Some(near) => diagnostic.help(format!("write `{near}`")),
-        None => diagnostic.help("variables are theta1, theta2, ... (d1, ... of prismatic joints), q1, q2, ... and joint names"),
+        None => diagnostic.help(
+            "variables are theta1, theta2, ... (d1, ... of prismatic joints), q1, q2, ... and joint names",
+        ),
     }
 }

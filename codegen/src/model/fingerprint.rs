@@ -104,13 +104,7 @@ impl Hash {
             JointKind::Revolute => 1,
             JointKind::Prismatic => 2,
         });
-        for value in [
-            row.d,
-            row.a,
-            row.alpha.value,
-            row.beta.value,
-            row.theta.value,
-        ] {
+        for value in [row.d, row.a, row.alpha.value, row.beta.value, row.theta.value] {
             self.value(value);
         }
         self.terms(&row.terms);

@@ -39,23 +39,15 @@ impl Form {
                 None => sum.add_row(variable, coefficient, joints.rows.get(variable)?),
             }
         }
-        let largest = value
-            .terms
-            .values()
-            .fold(0.0_f64, |largest, value| largest.max(value.abs()));
-        sum.terms
-            .retain(|_, coefficient| coefficient.abs() > CANCELLED * largest);
+        let largest = value.terms.values().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        sum.terms.retain(|_, coefficient| coefficient.abs() > CANCELLED * largest);
         let linear = Linear {
             terms: sum.terms.into_iter().collect(),
             constant: sum.constant,
             text: text.value.clone(),
             span: text.span.clone(),
         };
-        Some(Form {
-            linear,
-            in_q: sum.in_q,
-            of_angles: kind == JointKind::Revolute,
-        })
+        Some(Form { linear, in_q: sum.in_q, of_angles: kind == JointKind::Revolute })
     }
 }
 
@@ -63,22 +55,13 @@ impl Form {
 const CANCELLED: f64 = 1e-12;
 
 /// Whether all variables are angles, or all of them lengths.
-fn kind(
-    text: &Text,
-    value: &Value,
-    joints: &Joints,
-    diagnostics: &mut Diagnostics,
-) -> Option<JointKind> {
+fn kind(text: &Text, value: &Value, joints: &Joints, diagnostics: &mut Diagnostics) -> Option<JointKind> {
     let rows = joints.rows;
     let row_of = |variable: usize| match variable.checked_sub(rows.len()) {
         None => rows.get(variable),
         Some(q) => rows.get(*joints.moving.get(q)?),
     };
-    let mut kinds = value
-        .terms
-        .keys()
-        .filter_map(|variable| row_of(*variable))
-        .map(|row| row.kind);
+    let mut kinds = value.terms.keys().filter_map(|variable| row_of(*variable)).map(|row| row.kind);
     let first = kinds.next();
     let alike = first.is_none_or(|first| kinds.all(|kind| kind == first));
     let kind = match first {
@@ -86,11 +69,7 @@ fn kind(
         None if value.length.is_some() => JointKind::Prismatic,
         None => JointKind::Revolute,
     };
-    let other = if kind == JointKind::Prismatic {
-        value.angle
-    } else {
-        value.length
-    };
+    let other = if kind == JointKind::Prismatic { value.angle } else { value.length };
     if alike && other.is_none_or(|other| other == 0.0) {
         return Some(kind);
     }
@@ -110,11 +89,7 @@ fn constant(
     joints: &Joints,
     diagnostics: &mut Diagnostics,
 ) -> Option<Angle> {
-    let written = if kind == JointKind::Prismatic {
-        value.length
-    } else {
-        value.angle
-    };
+    let written = if kind == JointKind::Prismatic { value.length } else { value.angle };
     let Some(bare) = value.bare.filter(|bare| *bare != 0.0) else {
         return Some(number(kind, written.unwrap_or(0.0)));
     };
@@ -132,10 +107,7 @@ fn constant(
 fn number(kind: JointKind, value: f64) -> Angle {
     match kind {
         JointKind::Revolute => Angle::from_radians(value),
-        JointKind::Prismatic => Angle {
-            value,
-            fifteenths: (value == 0.0).then_some(0),
-        },
+        JointKind::Prismatic => Angle { value, fifteenths: (value == 0.0).then_some(0) },
     }
 }
 
@@ -164,12 +136,7 @@ impl Sum {
 
     fn add_row(&mut self, index: usize, coefficient: f64, row: &Row) {
         let size = self.in_q.0.len();
-        for (entry, moves) in self
-            .in_q
-            .0
-            .iter_mut()
-            .zip(topology::coefficients(row, size))
-        {
+        for (entry, moves) in self.in_q.0.iter_mut().zip(topology::coefficients(row, size)) {
             *entry += coefficient * moves;
         }
         self.in_q.1 += coefficient * at_zero(row).value;

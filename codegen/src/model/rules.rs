@@ -137,11 +137,7 @@ pub(super) fn pose(
     }
     let q: Vec<f64> = values.into_iter().collect::<Option<_>>()?;
     // A joint outside its limits is one mistake, whatever it is added to.
-    let sums = if converter.diagnostics.errors() == before {
-        sums
-    } else {
-        &[]
-    };
+    let sums = if converter.diagnostics.errors() == before { sums } else { &[] };
     for sum in sums {
         let value: f64 = sum.terms.iter().map(|(index, c)| c * q.get(*index).copied().unwrap_or(0.0)).sum();
         if is_outside(value, sum.range) {

@@ -24,14 +24,10 @@ pub(super) fn coefficients(row: &Row, variables: usize) -> Vec<f64> {
 /// couplings cancel.
 pub(super) fn inverse(rows: &[Row], joints: &[usize]) -> Option<Vec<Vec<f64>>> {
     let size = joints.len();
-    let mut left: Vec<Vec<f64>> = joints
-        .iter()
-        .filter_map(|index| rows.get(*index))
-        .map(|row| coefficients(row, size))
-        .collect();
-    let mut right: Vec<Vec<f64>> = (0..size)
-        .map(|i| (0..size).map(|j| if i == j { 1.0 } else { 0.0 }).collect())
-        .collect();
+    let mut left: Vec<Vec<f64>> =
+        joints.iter().filter_map(|index| rows.get(*index)).map(|row| coefficients(row, size)).collect();
+    let mut right: Vec<Vec<f64>> =
+        (0..size).map(|i| (0..size).map(|j| if i == j { 1.0 } else { 0.0 }).collect()).collect();
     for column in 0..size {
         let size_at = |row: &Vec<f64>| row.get(column).map_or(0.0, |value| value.abs());
         let (pivot, _) = left
@@ -39,10 +35,7 @@ pub(super) fn inverse(rows: &[Row], joints: &[usize]) -> Option<Vec<Vec<f64>>> {
             .enumerate()
             .skip(column)
             .max_by(|(_, one), (_, two)| size_at(one).total_cmp(&size_at(two)))?;
-        let largest = left
-            .iter()
-            .flatten()
-            .fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        let largest = left.iter().flatten().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         left.swap(column, pivot);
         right.swap(column, pivot);
         let divisor = *left.get(column)?.get(column)?;
@@ -55,11 +48,7 @@ pub(super) fn inverse(rows: &[Row], joints: &[usize]) -> Option<Vec<Vec<f64>>> {
             let this = row == column;
             for (matrix, pivot) in [(&mut left, &pivot_left), (&mut right, &pivot_right)] {
                 for (value, pivot) in matrix.get_mut(row)?.iter_mut().zip(pivot) {
-                    *value = if this {
-                        *pivot / divisor
-                    } else {
-                        *value - factor * pivot
-                    };
+                    *value = if this { *pivot / divisor } else { *value - factor * pivot };
                 }
             }
         }
@@ -87,16 +76,9 @@ pub(super) fn windings(rows: &[Row], joints: &[usize], inverse: &[Vec<f64>]) -> 
         .collect();
     let mut ordered = Vec::new();
     while !found.is_empty() {
-        let carried = |joint: usize| {
-            found
-                .iter()
-                .any(|other| other.carries.iter().any(|(k, _)| *k == joint))
-        };
+        let carried = |joint: usize| found.iter().any(|other| other.carries.iter().any(|(k, _)| *k == joint));
         // In a ring of couplings there is no such order; then the first one goes first.
-        let next = found
-            .iter()
-            .position(|winding| !carried(winding.joint))
-            .unwrap_or(0);
+        let next = found.iter().position(|winding| !carried(winding.joint)).unwrap_or(0);
         ordered.push(found.remove(next));
     }
     without_whole_turns(&ordered)
@@ -106,8 +88,7 @@ pub(super) fn windings(rows: &[Row], joints: &[usize], inverse: &[Vec<f64>]) -> 
 fn without_whole_turns(ordered: &[Winding]) -> Vec<Winding> {
     let mut reduced = Vec::new();
     for (index, winding) in ordered.iter().enumerate() {
-        let mut carries: std::collections::BTreeMap<usize, f64> =
-            winding.carries.iter().copied().collect();
+        let mut carries: std::collections::BTreeMap<usize, f64> = winding.carries.iter().copied().collect();
         for other in ordered.iter().skip(index + 1) {
             let moves = carries.get(&other.joint).copied().unwrap_or(0.0) / other.turn;
             // Half a turn is carried forwards rather than backwards.
@@ -120,36 +101,19 @@ fn without_whole_turns(ordered: &[Winding]) -> Vec<Winding> {
                 *carries.entry(*joint).or_insert(0.0) -= whole * by;
             }
         }
-        let carries = carries
-            .into_iter()
-            .filter(|(_, by)| by.abs() > WHOLE)
-            .collect();
-        reduced.push(Winding {
-            carries,
-            ..winding.clone()
-        });
+        let carries = carries.into_iter().filter(|(_, by)| by.abs() > WHOLE).collect();
+        reduced.push(Winding { carries, ..winding.clone() });
     }
     reduced
 }
 
 fn winding(rows: &[Row], joint: usize, inverse: &[Vec<f64>]) -> Option<Winding> {
     // What one turn of this joint's theta is in all joint variables, every other own theta standing still.
-    let turn: Vec<f64> = inverse
-        .iter()
-        .map(|row| row.get(joint).copied().unwrap_or(0.0))
-        .collect();
+    let turn: Vec<f64> = inverse.iter().map(|row| row.get(joint).copied().unwrap_or(0.0)).collect();
     let held: Vec<(JointKind, f64)> = rows
         .iter()
         .filter(|row| row.variable.is_none() && !row.terms.is_empty())
-        .map(|row| {
-            (
-                row.kind,
-                row.terms
-                    .iter()
-                    .map(|(k, c)| c * turn.get(*k).copied().unwrap_or(0.0))
-                    .sum(),
-            )
-        })
+        .map(|row| (row.kind, row.terms.iter().map(|(k, c)| c * turn.get(*k).copied().unwrap_or(0.0)).sum()))
         .collect();
     let turns = (1..=MOST_TURNS).map(f64::from).find(|turns| {
         held.iter().all(|(kind, moves)| match kind {
@@ -165,9 +129,5 @@ fn winding(rows: &[Row], joint: usize, inverse: &[Vec<f64>]) -> Option<Winding> 
         .filter(|(k, moves)| *k != joint && moves.abs() > WHOLE)
         .map(|(k, moves)| (k, moves * turns * sign * TAU))
         .collect();
-    Some(Winding {
-        joint,
-        turn: own.abs() * turns * TAU,
-        carries,
-    })
+    Some(Winding { joint, turn: own.abs() * turns * TAU, carries })
 }

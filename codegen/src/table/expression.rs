@@ -33,10 +33,7 @@ pub struct Scope<'a> {
 impl Scope<'_> {
     /// Numbers only.
     pub fn of_numbers(radians_per_angle: f64) -> Scope<'static> {
-        Scope {
-            radians_per_angle,
-            variable: &refusals::no_variables,
-        }
+        Scope { radians_per_angle, variable: &refusals::no_variables }
     }
 }
 
@@ -52,25 +49,11 @@ pub fn evaluate(text: &Text, scope: &Scope) -> Result<Value, Box<Diagnostic>> {
 ///
 /// # Errors
 /// A diagnostic, where the part is no expression or has no value.
-pub fn evaluate_part(
-    text: &Text,
-    part: Range<usize>,
-    scope: &Scope,
-) -> Result<Value, Box<Diagnostic>> {
-    let mut reader = Reader {
-        lexer: Lexer::new(text, part.clone()),
-        text,
-        part,
-        scope,
-        depth: 0,
-    };
+pub fn evaluate_part(text: &Text, part: Range<usize>, scope: &Scope) -> Result<Value, Box<Diagnostic>> {
+    let mut reader = Reader { lexer: Lexer::new(text, part.clone()), text, part, scope, depth: 0 };
     let mut value = reader.sum()?;
     let token = reader.lexer.next();
-    let unit = if token.kind == TokenKind::Name {
-        Unit::named(reader.lexer.of(&token))
-    } else {
-        None
-    };
+    let unit = if token.kind == TokenKind::Name { Unit::named(reader.lexer.of(&token)) } else { None };
     match unit {
         Some(unit) if reader.lexer.peek().kind == TokenKind::End => {
             reader.convert(&mut value, unit, &token)?;
@@ -78,24 +61,12 @@ pub fn evaluate_part(
         _ if token.kind == TokenKind::End => {}
         _ => return Err(reader.no_operator_at(&token, "an operator or the end")),
     }
-    let numbers = [value.bare, value.angle, value.length]
-        .into_iter()
-        .flatten();
-    if numbers
-        .chain(value.terms.values().copied())
-        .all(f64::is_finite)
-    {
+    let numbers = [value.bare, value.angle, value.length].into_iter().flatten();
+    if numbers.chain(value.terms.values().copied()).all(f64::is_finite) {
         return Ok(value);
     }
-    let refused = Diagnostic::error(
-        catalogue::NOT_FINITE,
-        "the expression is not a finite number",
-    );
-    Err(Box::new(
-        refused
-            .at(text.span.clone(), "")
-            .help("write an expression for a finite number"),
-    ))
+    let refused = Diagnostic::error(catalogue::NOT_FINITE, "the expression is not a finite number");
+    Err(Box::new(refused.at(text.span.clone(), "").help("write an expression for a finite number")))
 }
 
 /// Unit of a number.
@@ -220,10 +191,7 @@ impl Reader<'_> {
                     return Err(self.no_value_at(&token));
                 }
                 let variable = (self.scope.variable)(name, self.text.place(&token.at))?;
-                Ok(Value {
-                    terms: BTreeMap::from([(variable, 1.0)]),
-                    ..Value::default()
-                })
+                Ok(Value { terms: BTreeMap::from([(variable, 1.0)]), ..Value::default() })
             }
             TokenKind::Open => {
                 self.enter(&token)?;
@@ -263,8 +231,7 @@ impl Reader<'_> {
             (_, Some(factor)) => (left.clone(), factor),
             (Some(factor), None) => (right.clone(), factor),
             _ if left.terms.is_empty() && right.terms.is_empty() => {
-                let message =
-                    "the product of two quantities with dimensions is no length and no angle";
+                let message = "the product of two quantities with dimensions is no length and no angle";
                 return Err(self.refuse(
                     catalogue::WRONG_UNIT,
                     message,
@@ -301,10 +268,9 @@ impl Reader<'_> {
             return Ok(value);
         }
         if !left.terms.is_empty() {
-            return Err(self.not_linear(
-                "a joint is divided by something that is not a plain number",
-                &operator.at,
-            ));
+            return Err(
+                self.not_linear("a joint is divided by something that is not a plain number", &operator.at)
+            );
         }
         let (above, below) = self.alike(left, right, operator)?;
         if below == 0.0 {
@@ -319,12 +285,7 @@ impl Reader<'_> {
     }
 
     /// Two quantities of one dimension.
-    fn alike(
-        &self,
-        left: &Value,
-        right: &Value,
-        token: &Token,
-    ) -> Result<(f64, f64), Box<Diagnostic>> {
+    fn alike(&self, left: &Value, right: &Value, token: &Token) -> Result<(f64, f64), Box<Diagnostic>> {
         if !(left.terms.is_empty() && right.terms.is_empty()) {
             return Err(self.not_linear("a joint stands where only numbers may", &token.at));
         }
@@ -346,7 +307,8 @@ impl Reader<'_> {
                 return Ok(());
             }
             let message = "there is no number that the unit could belong to";
-            let help = "pi is half a turn whatever the units: leave the unit out, or write a number in place of pi";
+            let help =
+                "pi is half a turn whatever the units: leave the unit out, or write a number in place of pi";
             let refused = self.refuse(catalogue::WRONG_UNIT, message, &token.at, help);
             return Err(refused);
         };

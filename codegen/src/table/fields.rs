@@ -32,9 +32,7 @@ impl<'a> Fields<'a> {
     }
 
     pub(super) fn key_span(&self, key: &str) -> Span {
-        self.table
-            .get_key_value(key)
-            .map_or(0..0, |(key, _)| key.span())
+        self.table.get_key_value(key).map_or(0..0, |(key, _)| key.span())
     }
 
     /// Keys and values in the order of the text.
@@ -68,11 +66,7 @@ impl Reader<'_> {
             self.wrong_type(place, value, KEYS);
             return None;
         };
-        Some(Fields {
-            table,
-            span: value.span().start..end_of(value).max(value.span().end),
-            place,
-        })
+        Some(Fields { table, span: value.span().start..end_of(value).max(value.span().end), place })
     }
 
     /// Reports keys that are not among the known ones.
@@ -105,12 +99,9 @@ impl Reader<'_> {
         let value = fields.value(key);
         if value.is_none() && self.complete {
             self.diagnostics.push(
-                Diagnostic::error(
-                    catalogue::MISSING_KEY,
-                    format!("{} has no `{key}`", fields.place),
-                )
-                .at(self.first_line(&fields.span), "")
-                .help(format!("write `{key} = {example}`")),
+                Diagnostic::error(catalogue::MISSING_KEY, format!("{} has no `{key}`", fields.place))
+                    .at(self.first_line(&fields.span), "")
+                    .help(format!("write `{key} = {example}`")),
             );
         }
         value
@@ -151,20 +142,12 @@ impl Reader<'_> {
             let inside = raw.get(quotes..raw.len().checked_sub(quotes)?)?;
             (inside == string).then_some(span.start + quotes)
         });
-        Text {
-            value: string.to_owned(),
-            span,
-            base,
-        }
+        Text { value: string.to_owned(), span, base }
     }
 
     /// The name that a key is.
     pub(super) fn key_text(key: &Spanned<DeString>) -> Text {
-        Text {
-            value: key.get_ref().to_string(),
-            span: key.span(),
-            base: None,
-        }
+        Text { value: key.get_ref().to_string(), span: key.span(), base: None }
     }
 
     pub(super) fn flag(&mut self, fields: &Fields, key: &str) -> Option<bool> {
@@ -199,11 +182,7 @@ impl Reader<'_> {
             }
         };
         if let Some(number) = number.filter(|number: &f64| number.is_finite()) {
-            return Some(Number::Literal {
-                value: number,
-                digits: digits.to_owned(),
-                span,
-            });
+            return Some(Number::Literal { value: number, digits: digits.to_owned(), span });
         }
         self.diagnostics.push(
             Diagnostic::error(
@@ -211,20 +190,13 @@ impl Reader<'_> {
                 format!("`{}` is not a finite number", shortened(digits)),
             )
             .at(span, "")
-            .help(format!(
-                "write a number, or leave `{key}` out if there is none"
-            )),
+            .help(format!("write a number, or leave `{key}` out if there is none")),
         );
         None
     }
 
     /// A list of so many numbers.
-    pub(super) fn numbers(
-        &mut self,
-        fields: &Fields,
-        key: &str,
-        meanings: &[&str],
-    ) -> Option<Numbers> {
+    pub(super) fn numbers(&mut self, fields: &Fields, key: &str, meanings: &[&str]) -> Option<Numbers> {
         let value = fields.value(key)?;
         let numbers = self.numbers_of(key, value)?;
         if numbers.value.len() == meanings.len() {
@@ -234,11 +206,7 @@ impl Reader<'_> {
         self.diagnostics.push(
             Diagnostic::error(
                 catalogue::WRONG_LENGTH,
-                format!(
-                    "`{key}` has {}, not {}",
-                    counted(count, "value"),
-                    meanings.len()
-                ),
+                format!("`{key}` has {}, not {}", counted(count, "value"), meanings.len()),
             )
             .at(value.span(), "")
             .help(format!("write `{key} = [{}]`", meanings.join(", "))),
@@ -252,15 +220,9 @@ impl Reader<'_> {
             self.wrong_type(&format!("`{key}`"), value, NUMBERS);
             return None;
         };
-        let numbers: Vec<Option<Number>> = array
-            .iter()
-            .map(|value| self.number_of(key, value))
-            .collect();
+        let numbers: Vec<Option<Number>> = array.iter().map(|value| self.number_of(key, value)).collect();
         let numbers: Option<Vec<Number>> = numbers.into_iter().collect();
-        Some(Written {
-            value: numbers?,
-            span: value.span(),
-        })
+        Some(Written { value: numbers?, span: value.span() })
     }
 
     /// A list of texts, and whether all of them were.
@@ -272,20 +234,13 @@ impl Reader<'_> {
             self.wrong_type(&format!("`{key}`"), value, TEXTS);
             return (Vec::new(), false);
         };
-        let texts: Vec<Text> = array
-            .iter()
-            .filter_map(|value| self.text_of(key, value))
-            .collect();
+        let texts: Vec<Text> = array.iter().filter_map(|value| self.text_of(key, value)).collect();
         let all = texts.len() == array.len();
         (texts, all)
     }
 
     /// `{ name = number, ... }`.
-    pub(super) fn weights(
-        &mut self,
-        fields: &Fields,
-        key: &'static str,
-    ) -> Option<Vec<(Text, Number)>> {
+    pub(super) fn weights(&mut self, fields: &Fields, key: &'static str) -> Option<Vec<(Text, Number)>> {
         let value = fields.value(key)?;
         let inner = self.open_any(value, key_place(key))?;
         let weights: Vec<Option<(Text, Number)>> = inner
@@ -342,20 +297,16 @@ impl Reader<'_> {
                 ("a number", format!("write `\"{short}\"`"))
             }
             (DeValue::String(_), TEXTS) => ("a text", format!("write `[{}]`", shortened(short))),
-            (DeValue::Array(list), NUMBER) if list.len() == 1 => (
-                "a list",
-                format!("write `{}`", shortened(short.trim_matches(['[', ']']))),
-            ),
+            (DeValue::Array(list), NUMBER) if list.len() == 1 => {
+                ("a list", format!("write `{}`", shortened(short.trim_matches(['[', ']']))))
+            }
             (found, _) => (name_of(found), format!("write {}", example_of(wanted))),
         };
         let span = self.first_line(&value.span());
         self.diagnostics.push(
-            Diagnostic::error(
-                catalogue::WRONG_TYPE,
-                format!("{what} wants {wanted}, and this is {found}"),
-            )
-            .at(span, "")
-            .help(help),
+            Diagnostic::error(catalogue::WRONG_TYPE, format!("{what} wants {wanted}, and this is {found}"))
+                .at(span, "")
+                .help(help),
         );
     }
 }
@@ -401,11 +352,7 @@ fn key_place(key: &'static str) -> &'static str {
 
 /// "1 value", "2 values".
 pub(super) fn counted(count: usize, noun: &str) -> String {
-    if count == 1 {
-        format!("1 {noun}")
-    } else {
-        format!("{count} {noun}s")
-    }
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
 /// Where the last value inside a value ends. TOML nests at most 80 deep, so this does.

@@ -5,8 +5,7 @@ use super::{Outcome, Reader, Value};
 use crate::diagnostic::{catalogue, nearest, shortened};
 use crate::table::lexer::{Token, TokenKind};
 
-pub(super) const FUNCTIONS: [&str; 8] =
-    ["sqrt", "sin", "cos", "tan", "acos", "asin", "atan", "atan2"];
+pub(super) const FUNCTIONS: [&str; 8] = ["sqrt", "sin", "cos", "tan", "acos", "asin", "atan", "atan2"];
 
 impl Reader<'_> {
     pub(super) fn call(&mut self, name: &str, token: &Token) -> Outcome {
@@ -38,12 +37,7 @@ impl Reader<'_> {
         let comma = self.lexer.next();
         if comma.kind != TokenKind::Comma {
             let message = "`atan2` takes two arguments";
-            return Err(self.refuse(
-                catalogue::BAD_EXPRESSION,
-                message,
-                &comma.at,
-                "write `atan2(y, x)`",
-            ));
+            return Err(self.refuse(catalogue::BAD_EXPRESSION, message, &comma.at, "write `atan2(y, x)`"));
         }
         let second = self.sum()?;
         self.close()?;
@@ -60,12 +54,7 @@ impl Reader<'_> {
     fn of_number(&self, name: &str, argument: &Value, token: &Token) -> Outcome {
         let Some(x) = argument.only_bare() else {
             let message = format!("`{name}` takes a number without a unit");
-            return Err(self.refuse(
-                catalogue::WRONG_UNIT,
-                &message,
-                &token.at,
-                "write a plain number",
-            ));
+            return Err(self.refuse(catalogue::WRONG_UNIT, &message, &token.at, "write a plain number"));
         };
         let range = match name {
             "sqrt" if x < 0.0 => "0 or more",
@@ -97,12 +86,7 @@ impl Reader<'_> {
             (_, _, None) => return Err(Box::new(mixed_units(self.text))),
             (_, _, Some(_)) => {
                 let message = format!("`{name}` takes an angle, not a length");
-                return Err(self.refuse(
-                    catalogue::WRONG_UNIT,
-                    &message,
-                    &token.at,
-                    "write an angle",
-                ));
+                return Err(self.refuse(catalogue::WRONG_UNIT, &message, &token.at, "write an angle"));
             }
         };
         let (sine, cosine) = crate::model::Angle::from_radians(angle).sin_cos();
@@ -112,12 +96,7 @@ impl Reader<'_> {
             _ if cosine != 0.0 => Ok(Value::of(sine / cosine)),
             _ => {
                 let message = "the tangent of a quarter turn has no value";
-                Err(self.refuse(
-                    catalogue::NO_VALUE,
-                    message,
-                    &token.at,
-                    "write another angle",
-                ))
+                Err(self.refuse(catalogue::NO_VALUE, message, &token.at, "write another angle"))
             }
         }
     }

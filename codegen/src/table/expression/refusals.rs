@@ -21,16 +21,13 @@ impl Reader<'_> {
         at: &Range<usize>,
         help: &str,
     ) -> Box<Diagnostic> {
-        Box::new(
-            Diagnostic::error(code, message)
-                .at(self.text.place(at), "")
-                .help(help),
-        )
+        Box::new(Diagnostic::error(code, message).at(self.text.place(at), "").help(help))
     }
 
     pub(super) fn not_linear(&self, why: &str, at: &Range<usize>) -> Box<Diagnostic> {
         let message = format!("not linear in the joints: {why}");
-        let help = "write a sum of joints times numbers, and a number, such as `theta4 = pi/2 - theta2 - theta3`";
+        let help =
+            "write a sum of joints times numbers, and a number, such as `theta4 = pi/2 - theta2 - theta3`";
         self.refuse(catalogue::NOT_LINEAR, &message, at, help)
     }
 
@@ -38,10 +35,9 @@ impl Reader<'_> {
     pub(super) fn no_value_at(&self, token: &Token) -> Box<Diagnostic> {
         let written = shortened(self.lexer.of(token));
         let (message, help) = match token.kind {
-            TokenKind::End if self.part.start == token.at.start || self.is_blank() => (
-                "the expression is empty".to_owned(),
-                "write a number".to_owned(),
-            ),
+            TokenKind::End if self.part.start == token.at.start || self.is_blank() => {
+                ("the expression is empty".to_owned(), "write a number".to_owned())
+            }
             TokenKind::End => (
                 "the expression ends too early".to_owned(),
                 "write what is missing, or leave the last operator out".to_owned(),
@@ -62,26 +58,16 @@ impl Reader<'_> {
     pub(super) fn no_operator_at(&self, token: &Token, wanted: &str) -> Box<Diagnostic> {
         let written = shortened(self.lexer.of(token));
         let stands = format!("`{written}` stands where {wanted} is wanted");
-        let units = [
-            "degrees",
-            "degree",
-            "radians",
-            "radian",
-            "millimetres",
-            "millimeters",
-            "metres",
-            "meters",
-        ];
+        let units =
+            ["degrees", "degree", "radians", "radian", "millimetres", "millimeters", "metres", "meters"];
         let (message, help) = match token.kind {
-            TokenKind::End => (
-                format!("the expression ends where {wanted} is wanted"),
-                "write `)`".to_owned(),
-            ),
+            TokenKind::End => {
+                (format!("the expression ends where {wanted} is wanted"), "write `)`".to_owned())
+            }
             TokenKind::Power => (stands, "there are no powers: write `x*x`".to_owned()),
-            TokenKind::Name if Unit::named(&written).is_some() => (
-                stands,
-                "a unit stands at the very end, or behind the number that it belongs to".to_owned(),
-            ),
+            TokenKind::Name if Unit::named(&written).is_some() => {
+                (stands, "a unit stands at the very end, or behind the number that it belongs to".to_owned())
+            }
             TokenKind::Name if written == "pi" || FUNCTIONS.contains(&written.as_str()) => {
                 (stands, format!("write `*` before `{written}` to multiply"))
             }
@@ -98,20 +84,16 @@ impl Reader<'_> {
             TokenKind::Number | TokenKind::Open => {
                 (stands, format!("write `*` before `{written}` to multiply"))
             }
-            TokenKind::Unknown if matches!(written.as_str(), "<" | ">" | "=") => (
-                stands,
-                "an inequality has one of <=, <, >= and >, an equation one `=`".to_owned(),
-            ),
+            TokenKind::Unknown if matches!(written.as_str(), "<" | ">" | "=") => {
+                (stands, "an inequality has one of <=, <, >= and >, an equation one `=`".to_owned())
+            }
             _ => (stands, LANGUAGE.to_owned()),
         };
         self.refuse(catalogue::BAD_EXPRESSION, &message, &token.at, &help)
     }
 
     fn is_blank(&self) -> bool {
-        self.text
-            .value
-            .get(self.part.clone())
-            .is_none_or(|part| part.trim().is_empty())
+        self.text.value.get(self.part.clone()).is_none_or(|part| part.trim().is_empty())
     }
 }
 
@@ -119,11 +101,8 @@ impl Reader<'_> {
 pub(super) fn no_variables(name: &str, span: Range<usize>) -> Result<usize, Box<Diagnostic>> {
     let near = nearest(name, FUNCTIONS.into_iter().chain(["pi"]));
     let diagnostic = if FUNCTIONS.contains(&name) {
-        Diagnostic::error(
-            catalogue::BAD_EXPRESSION,
-            format!("`{name}` has no argument in parentheses"),
-        )
-        .help(format!("write `{name}(...)`"))
+        Diagnostic::error(catalogue::BAD_EXPRESSION, format!("`{name}` has no argument in parentheses"))
+            .help(format!("write `{name}(...)`"))
     } else {
         let message = format!("`{}` means nothing in an expression", shortened(name));
         Diagnostic::error(catalogue::BAD_EXPRESSION, message)

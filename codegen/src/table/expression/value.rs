@@ -25,24 +25,15 @@ pub(super) enum Part {
 
 impl Value {
     pub(super) fn of(number: f64) -> Value {
-        Value {
-            bare: Some(number),
-            ..Value::default()
-        }
+        Value { bare: Some(number), ..Value::default() }
     }
 
     pub(super) fn of_angle(radians: f64) -> Value {
-        Value {
-            angle: Some(radians),
-            ..Value::default()
-        }
+        Value { angle: Some(radians), ..Value::default() }
     }
 
     pub(super) fn of_length(metres: f64) -> Value {
-        Value {
-            length: Some(metres),
-            ..Value::default()
-        }
+        Value { length: Some(metres), ..Value::default() }
     }
 
     /// The number, where there is nothing else.
@@ -85,10 +76,7 @@ impl Value {
     }
 
     fn each(&mut self, change: impl Fn(&mut f64)) {
-        for part in [&mut self.bare, &mut self.angle, &mut self.length]
-            .into_iter()
-            .flatten()
-        {
+        for part in [&mut self.bare, &mut self.angle, &mut self.length].into_iter().flatten() {
             change(part);
         }
         self.terms.values_mut().for_each(change);
