@@ -11,6 +11,7 @@ pub mod chain;
 mod check;
 mod constraint;
 mod fingerprint;
+mod form;
 mod linear;
 mod names;
 mod placement;

@@ -9,9 +9,9 @@
 #![forbid(unsafe_code)]
 
 pub use dh_core::*;
+#[cfg(feature = "macro")]
+pub use dh_macro::dh_robot;
 #[cfg(feature = "nalgebra")]
 pub use nalgebra;
 #[cfg(feature = "nalgebra")]
 pub use nalgebra::{Point2, Point3, Rotation3, UnitVector3};
-#[cfg(feature = "macro")]
-pub use dh_macro::dh_robot;

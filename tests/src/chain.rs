@@ -185,9 +185,9 @@ impl Chain {
         let robot = get(table, "robot").and_then(DeValue::as_table).ok_or("no [robot]")?;
         let units = units(robot)?;
         let convention = match get(robot, "convention").and_then(DeValue::as_str) {
-            None | Some("standard") => Convention::Standard,
+            Some("standard") => Convention::Standard,
             Some("modified") => Convention::Modified,
-            Some(other) => return Err(format!("convention `{other}`")),
+            other => return Err(format!("convention {other:?}")),
         };
         let entries = get(table, "joint").and_then(DeValue::as_array).ok_or("no [[joint]]")?;
         let entries: Vec<_> = entries.iter().filter_map(|entry| entry.get_ref().as_table()).collect();

@@ -271,7 +271,13 @@ pub fn calibrated_arm() -> impl Strategy<Value = RandomArm> {
             let joints = rows.map(|(d, a, alpha, offset)| {
                 format!("\n[[joint]]\nd = {d}\na = {a}\nalpha = {alpha}\noffset = {offset}\n")
             });
-            RandomArm { text: format!("[robot]\nname = \"Calibrated\"\n{}", joints.concat()), q: q.to_vec() }
+            RandomArm {
+                text: format!(
+                    "[robot]\nname = \"Calibrated\"\nconvention = \"standard\"\n{}",
+                    joints.concat()
+                ),
+                q: q.to_vec(),
+            }
         },
     )
 }

@@ -3,7 +3,7 @@
 /// Declares the codes and the catalogue of their explanations.
 macro_rules! catalogue {
     ($($name:ident = $code:literal, $text:literal;)*) => {
-        $(#[doc = $text] pub const $name: &str = $code;)*
+        $(#[doc = concat!("`", $code, "`, explained in [`CATALOGUE`].")] pub const $name: &str = $code;)*
 
         /// Every code with its explanation, in the order of the pipeline.
         pub const CATALOGUE: &[(&str, &str)] = &[$(($code, $text)),*];
@@ -70,7 +70,7 @@ catalogue! {
     POSE_LENGTH = "pose-length",
         "A named pose has one value for each joint that moves, base to tip. Held joints have none.";
     POSE_OUTSIDE_LIMITS = "pose-outside-limits",
-        "A named pose is outside the limits of a joint, or of a sum of joints.";
+        "A named pose is outside the limits of a joint, so that it cannot be moved to. A pose outside a [[limit]] on a sum of joints gets a warning: the arm refuses to move there all the same.";
     BAD_CONSTRAINT = "bad-constraint",
         "A constraint is an equation `left = right`, an entry of `where` an inequality with <=, <, >= or >.";
     NOT_LINEAR = "not-linear",
@@ -97,10 +97,7 @@ catalogue! {
 
 /// What a code means.
 pub fn explain(code: &str) -> Option<&'static str> {
-    CATALOGUE
-        .iter()
-        .find(|(known, _)| *known == code)
-        .map(|(_, text)| *text)
+    CATALOGUE.iter().find(|(known, _)| *known == code).map(|(_, text)| *text)
 }
 
 #[cfg(test)]
@@ -112,18 +109,10 @@ mod tests {
         for (index, (code, text)) in CATALOGUE.iter().enumerate() {
             assert!(
                 code.len() <= 20
-                    && code
-                        .chars()
-                        .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-')
+                    && code.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-')
             );
             assert!(text.ends_with('.') && text.len() > 20, "{code}");
-            assert!(
-                CATALOGUE
-                    .iter()
-                    .skip(index + 1)
-                    .all(|(other, _)| other != code),
-                "{code} stands twice"
-            );
+            assert!(CATALOGUE.iter().skip(index + 1).all(|(other, _)| other != code), "{code} stands twice");
             assert_eq!(explain(code), Some(*text));
         }
         assert_eq!(explain("E0000"), None);

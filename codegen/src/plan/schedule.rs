@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// Constants of a robot, shared by all its functions.
 #[derive(Debug, Default)]
-pub struct Constants {
+pub(super) struct Constants {
     list: Vec<Constant>,
     ids: HashMap<String, ConstantId>,
     folded: usize,
@@ -18,7 +18,7 @@ pub struct Constants {
 
 impl Constants {
     /// All of them, in the order in which they were met.
-    pub fn into_list(self) -> Vec<Constant> {
+    pub(super) fn into_list(self) -> Vec<Constant> {
         self.list
     }
 
@@ -56,26 +56,31 @@ impl Constants {
 }
 
 /// Writes the steps of one function.
-pub struct Scheduler<'a> {
+pub(super) struct Scheduler<'a> {
     arena: &'a Arena,
     constants: &'a mut Constants,
     /// Names of all values so far.
-    pub values: Vec<String>,
+    pub(super) values: Vec<String>,
     /// What the variables of angles and slides stand for.
-    pub variables: Vec<ValueId>,
+    pub(super) variables: Vec<ValueId>,
     names: HashSet<String>,
     defined: HashMap<Expr, ValueId>,
     shared: BTreeSet<Expr>,
     temporaries: usize,
     /// Steps of the innermost scope.
-    pub steps: Vec<Step>,
+    pub(super) steps: Vec<Step>,
     /// What was counted so far.
-    pub counts: Counts,
+    pub(super) counts: Counts,
 }
 
 impl<'a> Scheduler<'a> {
     /// For a function that computes these expressions; inputs are defined first.
-    pub fn new(arena: &'a Arena, constants: &'a mut Constants, inputs: &[String], roots: &[Expr]) -> Self {
+    pub(super) fn new(
+        arena: &'a Arena,
+        constants: &'a mut Constants,
+        inputs: &[String],
+        roots: &[Expr],
+    ) -> Self {
         let (mul, add) = arena.operations(roots);
         let mut scheduler = Self {
             arena,
@@ -96,7 +101,7 @@ impl<'a> Scheduler<'a> {
     }
 
     /// A new value of this name, or of one like it where the name is taken.
-    pub fn value(&mut self, name: &str) -> ValueId {
+    pub(super) fn value(&mut self, name: &str) -> ValueId {
         let mut unique = name.to_string();
         let mut tries = 1;
         while !self.names.insert(unique.clone()) {
@@ -108,12 +113,12 @@ impl<'a> Scheduler<'a> {
     }
 
     /// Says that an expression (a leaf) is this value.
-    pub fn bind(&mut self, expr: Expr, value: ValueId) {
+    pub(super) fn bind(&mut self, expr: Expr, value: ValueId) {
         self.defined.insert(expr, value);
     }
 
     /// Writes steps for all that the expressions need, and returns them in terms of those.
-    pub fn scalars(&mut self, roots: &[Expr]) -> Vec<Scalar> {
+    pub(super) fn scalars(&mut self, roots: &[Expr]) -> Vec<Scalar> {
         self.leaves(roots);
         roots.iter().map(|root| self.scalar(*root)).collect()
     }
@@ -163,7 +168,8 @@ impl<'a> Scheduler<'a> {
         };
         let angle = self.angle(form, quarters);
         self.counts.sincos += 1;
-        let name = |letter: &str, negative: bool| format!("{}{letter}{suffix}", if negative { "n" } else { "" });
+        let name =
+            |letter: &str, negative: bool| format!("{}{letter}{suffix}", if negative { "n" } else { "" });
         // What the library's sine and cosine of the reduced angle are of the whole angle.
         let (first, second) = match quarters {
             1 => (("c", true), ("s", false)),
@@ -196,14 +202,17 @@ impl<'a> Scheduler<'a> {
     }
 
     /// Sum of coefficient * variable, and a constant.
-    pub fn linear(&self, terms: &[(usize, f64)], constant: f64) -> Scalar {
+    pub(super) fn linear(&self, terms: &[(usize, f64)], constant: f64) -> Scalar {
         let mut sum: Option<Scalar> = None;
         for &(variable, coefficient) in terms {
             let Some(&value) = self.variables.get(variable) else { continue };
             let value = Scalar::Value(value);
             let size = coefficient.abs();
-            let term =
-                if size == 1.0 { value } else { Scalar::Mul(Box::new(Scalar::Number(size)), Box::new(value)) };
+            let term = if size == 1.0 {
+                value
+            } else {
+                Scalar::Mul(Box::new(Scalar::Number(size)), Box::new(value))
+            };
             sum = Some(signed_sum(sum, term, coefficient < 0.0));
         }
         if constant != 0.0 {
@@ -275,7 +284,11 @@ impl<'a> Scheduler<'a> {
             },
             _ => {
                 let text = crate::symbolic::text::expression(self.arena, x);
-                Scalar::Constant(self.constants.folded(&text, self.arena.constant_value(x), self.arena.constant_dimension(x)))
+                Scalar::Constant(self.constants.folded(
+                    &text,
+                    self.arena.constant_value(x),
+                    self.arena.constant_dimension(x),
+                ))
             }
         }
     }

@@ -38,8 +38,7 @@ fn mutate(scalar: &mut Scalar, left: &mut usize) -> bool {
             Scalar::Number(number) => Scalar::Number(number + 0.001),
             Scalar::Neg(inner) => *inner,
             Scalar::Add(one, two) => Scalar::Sub(one, two),
-            Scalar::Sub(one, two) => Scalar::Add(one, two),
-            Scalar::Mul(one, two) => Scalar::Add(one, two),
+            Scalar::Sub(one, two) | Scalar::Mul(one, two) => Scalar::Add(one, two),
             Scalar::Div(one, two) => Scalar::Mul(one, two),
         };
         return true;

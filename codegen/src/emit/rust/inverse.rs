@@ -42,7 +42,8 @@ impl<'a> Printer<'a> {
         let seeded: Vec<_> =
             parameters.iter().cloned().chain([format!("seed: &{}", self.joints_type())]).collect();
         let solve = private_name(problem);
-        let errors = format!("{}: the first step of the solution that fails decides.", self.paths.link("IkError"));
+        let errors =
+            format!("{}: the first step of the solution that fails decides.", self.paths.link("IkError"));
         let units = joint_units(self.model);
 
         text.gap();

@@ -62,7 +62,9 @@ fn of_any_arm(options: &Options) -> String {
     text.line("#[allow(missing_docs, unused_variables)]");
     text.open(format!("impl{parameters} {name}{arguments} {clause} {{"));
     for (method, parameters, result) in methods {
-        text.line(format!("pub fn {method}<const N: usize>(&self, {parameters}) -> {result} {{ loop {{}} }}"));
+        text.line(format!(
+            "pub fn {method}<const N: usize>(&self, {parameters}) -> {result} {{ loop {{}} }}"
+        ));
     }
     text.close("}");
     text.into_string()

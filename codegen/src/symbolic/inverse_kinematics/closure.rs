@@ -68,9 +68,14 @@ impl Tracked {
 /// One step along the chain.
 enum Step<'a> {
     Fixed(&'a Element),
-    Joint(JointKind, Polynomial, Polynomial),
+    /// Sine and cosine of theta.
+    Turn(Polynomial, Polynomial),
+    /// d
     Slide(Polynomial),
 }
+
+/// A joint (the base has none) and the link behind it.
+type Stretch<'a> = (Option<Step<'a>>, Vec<Step<'a>>);
 
 /// Vocabulary, prescribed numbers and equations of a problem.
 pub(super) struct Closure {
@@ -146,7 +151,12 @@ impl Builder<'_> {
     }
 
     /// (sine, cosine) of frequency . angles + fifteenths * 15 degrees + rest.
-    fn sin_cos(&self, mut frequency: Vec<i16>, fifteenths: i32, rest: f64) -> Result<(Polynomial, Polynomial), Overflow> {
+    fn sin_cos(
+        &self,
+        mut frequency: Vec<i16>,
+        fifteenths: i32,
+        rest: f64,
+    ) -> Result<(Polynomial, Polynomial), Overflow> {
         if rest != 0.0 {
             for (entry, angle) in frequency.iter_mut().zip(&self.atoms.angles) {
                 if let AngleData::Constant { value, .. } = angle
@@ -158,7 +168,7 @@ impl Builder<'_> {
         }
         let (sin, cos) = (Polynomial::trig(&frequency, true), Polynomial::trig(&frequency, false));
         let (s, c) = (Number::sin(fifteenths), Number::cos(fifteenths));
-        Ok((sin.scaled(c)?.add_scaled(&cos, s)?, cos.scaled(c)?.add_scaled(&sin, s.neg())?))
+        Ok((sin.scaled(c)?.add_scaled(&cos, s)?, cos.scaled(c)?.add_scaled(&sin, -s)?))
     }
 
     fn form_sin_cos(&self, form: &Form) -> Result<(Polynomial, Polynomial), Overflow> {
@@ -206,23 +216,51 @@ impl Builder<'_> {
                 let frame = chain::rigid(self.arena, base);
                 let moved = transform::sub(self.arena, [*x, *y, *z], frame.translation);
                 let target = self.behind_base(&frame.rotation, moved, ["px", "py", "pz"], 1)?;
-                Ok(vec![Tracked { what: "position", letter: "", point: true, target, after_base: true, tip: origin, whole: true }])
+                Ok(vec![Tracked {
+                    what: "position",
+                    letter: "",
+                    point: true,
+                    target,
+                    after_base: true,
+                    tip: origin,
+                    whole: true,
+                }])
             }
             (Target::Xy | Target::XyYaw, [x, y, ..]) => {
                 let [_, _, height] = self.tip_in_base(plain, origin.clone(), true)?;
                 let target = [self.known("px", *x, 1)?, self.known("py", *y, 1)?, height];
-                Ok(vec![Tracked { what: "position", letter: "", point: true, target, after_base: false, tip: origin, whole: true }])
+                Ok(vec![Tracked {
+                    what: "position",
+                    letter: "",
+                    point: true,
+                    target,
+                    after_base: false,
+                    tip: origin,
+                    whole: true,
+                }])
             }
             (Target::Direction, [x, y, z]) => {
                 let frame = chain::rigid(self.arena, base);
                 let target = self.behind_base(&frame.rotation, [*x, *y, *z], ["zx", "zy", "zz"], 0)?;
                 let tip = [zero.clone(), zero, one];
-                Ok(vec![Tracked { what: "direction", letter: "z", point: false, target, after_base: true, tip, whole: true }])
+                Ok(vec![Tracked {
+                    what: "direction",
+                    letter: "z",
+                    point: false,
+                    target,
+                    after_base: true,
+                    tip,
+                    whole: true,
+                }])
             }
             (Target::Rotation, [a, b, c, d, e, f, g, h, i]) => {
                 // R' = base^T R tool^T, so that neither mixes rows or columns.
                 let tool = plain.links.last().map_or(&[][..], |link| &link.elements);
-                let tool = if plain.links.len() > 1 { chain::rigid(self.arena, tool) } else { transform::identity(self.arena) };
+                let tool = if plain.links.len() > 1 {
+                    chain::rigid(self.arena, tool)
+                } else {
+                    transform::identity(self.arena)
+                };
                 let whole = [[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]];
                 let turned = transform::product(self.arena, &whole, &transform::transpose(&tool.rotation));
                 let frame = chain::rigid(self.arena, base);
@@ -238,7 +276,15 @@ impl Builder<'_> {
                     }
                     let what = ["x axis", "y axis", "z axis"].get(index).copied().unwrap_or("axis");
                     let letter = ["x", "y", "z"].get(index).copied().unwrap_or("");
-                    found.push(Tracked { what, letter, point: false, target, after_base: true, tip, whole: false });
+                    found.push(Tracked {
+                        what,
+                        letter,
+                        point: false,
+                        target,
+                        after_base: true,
+                        tip,
+                        whole: false,
+                    });
                 }
                 Ok(found)
             }
@@ -335,14 +381,24 @@ impl Builder<'_> {
             vec![(x.mul(&sin)?.sub(&y.mul(&cos)?)?, "yaw")]
         };
         for (polynomial, what) in rows {
-            equations.push(Equation { polynomial, group: *group, origin: what.to_string(), name: "w".to_string() });
+            equations.push(Equation {
+                polynomial,
+                group: *group,
+                origin: what.to_string(),
+                name: "w".to_string(),
+            });
         }
         *group += 1;
         Ok(())
     }
 
     /// A vector of the tool frame in the base frame.
-    fn tip_in_base(&mut self, plain: &crate::model::Chain, tip: Vector, point: bool) -> Result<Vector, Overflow> {
+    fn tip_in_base(
+        &mut self,
+        plain: &crate::model::Chain,
+        tip: Vector,
+        point: bool,
+    ) -> Result<Vector, Overflow> {
         let steps = self.steps(plain)?;
         let mut inner = tip;
         for (joint, link) in steps.iter().rev() {
@@ -357,7 +413,7 @@ impl Builder<'_> {
     }
 
     /// Joints with the links behind them; the base's link comes first, without a joint.
-    fn steps<'p>(&mut self, plain: &'p crate::model::Chain) -> Result<Vec<(Option<Step<'p>>, Vec<Step<'p>>)>, Overflow> {
+    fn steps<'p>(&mut self, plain: &'p crate::model::Chain) -> Result<Vec<Stretch<'p>>, Overflow> {
         let mut steps = Vec::new();
         for (index, link) in plain.links.iter().enumerate() {
             let joint = match index.checked_sub(1).and_then(|index| plain.joints.get(index)) {
@@ -375,24 +431,24 @@ impl Builder<'_> {
         };
         if kind == JointKind::Revolute {
             let (sin, cos) = self.form_sin_cos(&form)?;
-            return Ok(Step::Joint(kind, sin, cos));
+            return Ok(Step::Turn(sin, cos));
         }
         let free: Vec<Free> = self.unknowns.free.clone();
         let mut slide = match form.offset.value() {
             0.0 => Polynomial::zero(),
-            constant => self.parameter(&format!("o{}", row + 1), constant, "constant part of a held slide", 1),
+            constant => {
+                self.parameter(&format!("o{}", row + 1), constant, "constant part of a held slide", 1)
+            }
         };
         for (index, (coefficient, free)) in form.coefficients.iter().zip(free).enumerate() {
             if *coefficient != 0.0 {
                 let name = format!("d{}", free.row + 1);
                 let atom = self.atoms.polynomial(&name, 1, Source::Slide(index));
-                let factor = match Number::from_f64(*coefficient) {
-                    Some(number) => atom.scaled(number)?,
-                    None => {
-                        let name = format!("k{}_{}", row + 1, free.row + 1);
-                        let factor = self.parameter(&name, *coefficient, "coupling", 0);
-                        atom.mul(&factor)?
-                    }
+                let factor = if let Some(number) = Number::from_f64(*coefficient) {
+                    atom.scaled(number)?
+                } else {
+                    let name = format!("k{}_{}", row + 1, free.row + 1);
+                    atom.mul(&self.parameter(&name, *coefficient, "coupling", 0))?
                 };
                 slide = slide.add(&factor)?;
             }
@@ -412,7 +468,7 @@ impl Builder<'_> {
         match step {
             Step::Slide(by) if point => shift(v, 2, by),
             Step::Slide(_) => Ok(v),
-            Step::Joint(_, sin, cos) => turn(v, 2, sin, cos, inward),
+            Step::Turn(sin, cos) => turn(v, 2, sin, cos, inward),
             Step::Fixed(Element::Translate { .. }) if !point => Ok(v),
             Step::Fixed(Element::Translate { axis, value, name, note }) => {
                 let by = self.parameter(name, *value, note, 1);
@@ -423,11 +479,18 @@ impl Builder<'_> {
                 let (sin, cos) = self.sin_cos(vec![0; self.size()], turn_by.fifteenths, turn_by.rest)?;
                 turn(v, *axis, &sin, &cos, inward)
             }
-            Step::Fixed(Element::Matrix { rows, name, note }) => self.matrix(v, rows, name, note, inward),
+            Step::Fixed(Element::Matrix { rows, name, note }) => self.matrix(&v, rows, name, note, inward),
         }
     }
 
-    fn matrix(&mut self, v: Vector, rows: &[[f64; 3]; 3], name: &str, note: &str, inward: bool) -> Result<Vector, Overflow> {
+    fn matrix(
+        &mut self,
+        v: &Vector,
+        rows: &[[f64; 3]; 3],
+        name: &str,
+        note: &str,
+        inward: bool,
+    ) -> Result<Vector, Overflow> {
         let mut out = [Polynomial::zero(), Polynomial::zero(), Polynomial::zero()];
         for (i, row) in rows.iter().enumerate() {
             for (j, number) in row.iter().enumerate() {

@@ -23,12 +23,22 @@ pub(super) struct Found {
 }
 
 /// What a step finds.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Unknown {
     /// The angle frequency . angles; from then on it stands in the place `at`.
     Angle { frequency: Vec<i16>, at: usize },
     /// A slide.
     Slide(Atom),
+}
+
+impl Unknown {
+    /// How many joints beyond the first it is a sum of. Such a sum has to be taken apart later.
+    fn merged(&self) -> usize {
+        match self {
+            Self::Slide(_) => 0,
+            Self::Angle { frequency, .. } => frequency.iter().filter(|k| **k != 0).count().saturating_sub(1),
+        }
+    }
 }
 
 /// How it is found.
@@ -79,11 +89,7 @@ pub(super) struct State {
 impl Found {
     /// Whether taking it costs nothing: one root, of a joint of its own.
     fn is_free(&self) -> bool {
-        let own = match &self.unknown {
-            Unknown::Slide(_) => true,
-            Unknown::Angle { frequency, .. } => frequency.iter().filter(|k| **k != 0).count() == 1,
-        };
-        self.sound && own && self.equation.roots() == 1
+        self.sound && self.unknown.merged() == 0 && self.equation.roots() == 1
     }
 }
 
@@ -125,6 +131,12 @@ impl Search<'_> {
         self.budget -= 1;
         let mut candidates = candidates(self.arena, &mut state)?;
         candidates.sort_by_key(|found| (!found.sound, found.equation.roots(), found.equation.size()));
+        let mut unknowns = Vec::new();
+        candidates.retain(|found| {
+            let new = !unknowns.contains(&found.unknown);
+            unknowns.push(found.unknown.clone());
+            new
+        });
         let width = if candidates.first().is_some_and(Found::is_free) { 1 } else { WIDTH };
         for found in candidates.into_iter().take(width) {
             let mut next = state.clone();
@@ -135,11 +147,11 @@ impl Search<'_> {
     }
 }
 
-/// Unsound steps, then branches, then the length of all coefficients.
+/// Unsound steps, then branches, then the length of all coefficients and of the sums to take apart.
 fn cost(found: &[Found]) -> (usize, usize, usize) {
     let unsound = found.iter().filter(|step| !step.sound).count();
     let branches = found.iter().map(|step| step.equation.roots()).product();
-    (unsound, branches, found.iter().map(|step| step.equation.size()).sum())
+    (unsound, branches, found.iter().map(|step| step.equation.size() + step.unknown.merged()).sum())
 }
 
 /// Makes a step: its unknown becomes known.
@@ -207,10 +219,10 @@ fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>, Overflow> 
     for (index, first) in lone.iter().enumerate() {
         match &first.simple {
             Simple::Slide { slide, a, b, c } => {
-                let equation = if !a.is_zero() {
-                    Solved::Quadratic([a.clone(), b.clone(), c.clone()])
-                } else {
+                let equation = if a.is_zero() {
                     Solved::Linear([b.clone(), c.clone()])
+                } else {
+                    Solved::Quadratic([a.clone(), b.clone(), c.clone()])
                 };
                 let leading = if a.is_zero() { b } else { a };
                 if !vanishes(arena, state, leading) {
@@ -225,7 +237,12 @@ fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>, Overflow> 
                     continue;
                 }
                 let equation = Solved::Trig([a.clone(), b.clone(), c.clone()]);
-                found.push(Found { unknown: unknown.clone(), equation, origin: first.origin.clone(), sound: true });
+                found.push(Found {
+                    unknown: unknown.clone(),
+                    equation,
+                    origin: first.origin.clone(),
+                    sound: true,
+                });
                 let later = lone.iter().skip(index + 1);
                 for second in later.filter(|second| second.group == first.group) {
                     found.extend(pair(arena, state, &unknown, first, second)?);
@@ -308,7 +325,8 @@ fn squares(state: &State) -> Result<Vec<Equation>, Overflow> {
     let mut groups: Vec<usize> = state.equations.iter().map(|equation| equation.group).collect();
     groups.dedup();
     for group in groups {
-        let rows: Vec<&Equation> = state.equations.iter().filter(|equation| equation.group == group).collect();
+        let rows: Vec<&Equation> =
+            state.equations.iter().filter(|equation| equation.group == group).collect();
         for chosen in subsets(rows.len()) {
             let rows: Vec<&Equation> = chosen.iter().filter_map(|index| rows.get(*index).copied()).collect();
             if let Some(equation) = square_sum(&rows, &state.open)? {

@@ -31,7 +31,8 @@ fn solved(mut model: Model, problem: Problem) -> String {
     assert_eq!(failures, Vec::<String>::new());
     let inverse = plan.functions.last().unwrap();
     let stages = inverse.stages.iter();
-    stages.map(|stage| format!("{}: {}\n", stage.unknown, stage.equation)).collect()
+    let lines: Vec<String> = stages.map(|stage| format!("{}: {}", stage.unknown, stage.equation)).collect();
+    format!("{}\n", lines.join("\n"))
 }
 
 fn tool_down() -> Vec<(&'static [(usize, f64)], f64)> {
