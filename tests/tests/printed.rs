@@ -5,6 +5,12 @@
 
 mod plans;
 
+#[path = "printed/every_target.rs"]
+#[rustfmt::skip]
+mod every_target;
+#[path = "printed/every_target_plain_f32.rs"]
+#[rustfmt::skip]
+mod every_target_plain_f32;
 #[path = "printed/planar.rs"]
 #[rustfmt::skip]
 mod planar;
@@ -18,7 +24,7 @@ mod polar;
 use dh_codegen::model::Model;
 use dh_codegen::plan::Plan;
 use dh_codegen::plan::eval::Program;
-use dh_runtime::nalgebra::Point2;
+use dh_runtime::nalgebra::{Point2, Point3, Rotation3, Vector3};
 use dh_runtime::{Float, Frame, IkError, Kinematics, Rule, SolutionSet, Target};
 use planar::Planar2R;
 
@@ -97,4 +103,33 @@ fn tool_and_base_are_added_at_run_time() {
     let mounted = arm.with_base(&base).with_tool(Frame::from(tool));
     let tip = Kinematics::fk(&mounted, &[0.0, 0.0]).expect("two joints").translation;
     assert!((tip[0] - 1.0).abs() < 1e-12 && (tip[2] - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn every_target_is_taken_in_its_own_types() -> Result<(), IkError> {
+    let (model, plan) = plans::every_target();
+    let program = Program::<f64>::new(&model, &plan).expect("a sound plan");
+    let interpreter = program.interpreter().expect("a complete plan");
+    let arm = every_target::EveryTarget;
+    assert_eq!(Kinematics::problems(&arm), interpreter.problems());
+    assert_eq!(Kinematics::problems(&arm).len(), 10);
+
+    // The candidates: (0, 0) is stretched out along x, and the z axis stays upright whatever the joints.
+    let (origin, up) = (Point3::origin(), Vector3::z_axis());
+    assert_eq!(arm.ik_all_direction(&up)?.first().map(|solution| solution.q), Some([0.0, 1.0]));
+    let missed =
+        |result| matches!(result, Err(IkError::Failed { position_error, .. }) if position_error > 0.7);
+    assert!(missed(arm.ik_all_position(&origin)) && missed(arm.ik_lookat(&origin)));
+    assert!(missed(arm.ik_ray_near(&origin, &up, &[0.0; 2])));
+    let turned = arm.ik_all_rotation(&Rotation3::identity()).err();
+    assert_eq!(turned, interpreted(&interpreter, "rotation"));
+    assert!(matches!(turned, Some(IkError::Failed { rotation_error, .. }) if rotation_error > 1.9));
+    let plain = every_target_plain_f32::EveryTarget;
+    assert!(plain.ik_all_xy_yaw(&[0.9, 0.0], 0.0).is_err());
+    assert!(plain.ik_rotation(&Frame::<f32>::IDENTITY.rotation).is_err());
+    Ok(())
+}
+
+fn interpreted(arm: &dyn Kinematics, problem: &str) -> Option<IkError> {
+    arm.ik_into(problem, &Target::Rotation(Frame::IDENTITY.rotation), &mut SolutionSet::new()).err()
 }

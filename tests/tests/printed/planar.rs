@@ -168,10 +168,14 @@ impl Planar2R {
     ///
     /// `position`: x and y of the tool point in the base frame (m).
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta2: `2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2` (the distance of the tool point)
-    /// - theta1: `k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py` (rows 1 and 2 of the position)
+    /// ```text
+    /// theta2:   2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2
+    ///           (the distance of the tool point)
+    /// theta1:   k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py
+    ///           (rows 1 and 2 of the position)
+    /// ```
     ///
     /// Besides solving, on each branch: 8 multiplications, 4 additions, 1 sine-cosine pair.
     ///
@@ -217,10 +221,14 @@ impl Planar2R {
     ///
     /// Where `theta2 <= 0`.
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta2: `2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2` (the distance of the tool point)
-    /// - theta1: `k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py` (rows 1 and 2 of the position)
+    /// ```text
+    /// theta2:   2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2
+    ///           (the distance of the tool point)
+    /// theta1:   k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py
+    ///           (rows 1 and 2 of the position)
+    /// ```
     ///
     /// Besides solving, on each branch: 8 multiplications, 4 additions, 1 sine-cosine pair.
     ///

@@ -154,10 +154,14 @@ impl Polar {
     ///
     /// `position`: x and y of the tool point in the base frame (m).
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta1: `px c1 + py s1 = a2` (row 1 of the position in frame 1)
-    /// - d2: `d2 = px s1 - py c1` (row 3 of the position in frame 1)
+    /// ```text
+    /// theta1:   px c1 + py s1 = a2
+    ///           (row 1 of the position in frame 1)
+    /// d2:       d2 = px s1 - py c1
+    ///           (row 3 of the position in frame 1)
+    /// ```
     ///
     /// Besides solving, on each branch: 2 multiplications, 2 additions, 1 sine-cosine pair.
     ///
