@@ -2,9 +2,9 @@
 //!
 //! Modules in the order in which the data flows.
 
-/// Codes, messages and labelled spans; the one renderer of them.
+// Codes, messages and labelled spans; the one renderer of them.
 pub mod diagnostic;
-/// Stage 2: rows -> a checked robot in SI units.
-pub mod model;
-/// Stage 1: text -> rows as written, every value with its span. Knows TOML, no geometry.
+// 1: text -> rows as written, every value with its span. Knows TOML, no geometry.
 pub mod table;
+// 2: rows -> a checked robot in SI units.
+pub mod model;
