@@ -4,7 +4,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails with it")]
 
 use dh_codegen::diagnostic::{Diagnostics, Style};
-use dh_codegen::{model, table};
+use dh_codegen::model::{self, product};
+use dh_codegen::table;
 use expect_test::expect_file;
 use std::path::{Path, PathBuf};
 
@@ -30,6 +31,12 @@ fn diagnostics_of(text: &str) -> Diagnostics {
         model.is_some() || diagnostics.has_errors(),
         "no model, and nothing said about it"
     );
+    // What is generated for an arm that has mistakes starts from these.
+    if let Some(model) = model {
+        assert_eq!(model.chain().links.len(), model.chain().joints.len() + 1);
+        let frames = product::frames(&model, &vec![0.1; model.joints.len()]);
+        assert_eq!(frames.rows.len(), model.rows.len() + 1);
+    }
     diagnostics
 }
 
