@@ -106,7 +106,7 @@ impl Walker<'_> {
             Node::Leaf(index) => self.arena.leaf_at(index).map(|(name, _)| name.to_string()),
             _ => None,
         };
-        self.arena.name(bare, name);
+        self.arena.label(bare, name);
         let atom = self.atoms.polynomial(leaf.as_deref().unwrap_or(name), dimension, Source::Target(bare));
         atom.scaled(Number::integer(if positive { 1 } else { -1 }))
     }
