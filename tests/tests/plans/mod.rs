@@ -205,6 +205,7 @@ fn turning(index: usize, a: f64) -> Row {
         shift: 0.0,
         terms: vec![(index, 1.0)],
         variable: Some(index),
+        #[allow(clippy::approx_constant, reason = "tables say this")]
         limits: Some(Limits { min: -3.14, max: 3.14 }),
         max_velocity: Some(2.0),
         max_acceleration: None,
