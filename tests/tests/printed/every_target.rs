@@ -29,8 +29,8 @@ use ::dh_runtime::{
 )]
 pub struct EveryTarget;
 
-const A2: f64 = 0.4; // link length of joint 2, table line 2
 const A1: f64 = 0.5; // link length of joint 1, table line 1
+const A2: f64 = 0.4; // link length of joint 2, table line 2
 const REACH: f64 = 0.9; // bound on the distance of the tool point
 /// Whole turns of joints that leave every frame where it is (rad).
 const WINDINGS: [Winding<'static>; 2] = [Winding::new(0, TAU, &[]), Winding::new(1, TAU, &[])];
@@ -52,7 +52,10 @@ impl EveryTarget {
     /// A hash of everything in the table that changes what is computed or sent.
     pub const FINGERPRINT: u64 = 0x0123_4567_89ab_cdef;
     /// The joints, in the order of `q` (rad).
-    #[allow(clippy::approx_constant, reason = "numbers of the table, as they were written")]
+    #[allow(
+        clippy::approx_constant,
+        reason = "numbers of the table, as they were written"
+    )]
     #[rustfmt::skip]
     pub const JOINTS: [Joint<'static>; 2] = [
         Joint::revolute("J1")
@@ -639,13 +642,13 @@ impl EveryTarget {
     /// frame.
     #[must_use]
     pub fn with_tool(self, tool: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_tool(tool.into())
+        Mounted::new(self).with_tool(tool)
     }
 
     /// This arm on another frame: the pose (m) of the table's base frame in the world.
     #[must_use]
     pub fn with_base(self, base: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_base(base.into())
+        Mounted::new(self).with_base(base)
     }
 }
 

@@ -28,8 +28,8 @@ use ::dh_runtime::{
 )]
 pub struct EveryTarget;
 
-const A2: f32 = 0.4; // link length of joint 2, table line 2
 const A1: f32 = 0.5; // link length of joint 1, table line 1
+const A2: f32 = 0.4; // link length of joint 2, table line 2
 const REACH: f32 = 0.9; // bound on the distance of the tool point
 /// Whole turns of joints that leave every frame where it is (rad).
 const WINDINGS: [Winding<'static, f32>; 2] = [Winding::new(0, TAU, &[]), Winding::new(1, TAU, &[])];
@@ -51,7 +51,10 @@ impl EveryTarget {
     /// A hash of everything in the table that changes what is computed or sent.
     pub const FINGERPRINT: u64 = 0x0123_4567_89ab_cdef;
     /// The joints, in the order of `q` (rad).
-    #[allow(clippy::approx_constant, reason = "numbers of the table, as they were written")]
+    #[allow(
+        clippy::approx_constant,
+        reason = "numbers of the table, as they were written"
+    )]
     #[rustfmt::skip]
     pub const JOINTS: [Joint<'static, f32>; 2] = [
         Joint::revolute("J1")
@@ -655,18 +658,19 @@ impl EveryTarget {
     /// frame.
     #[must_use]
     pub fn with_tool(self, tool: &Frame<f32>) -> Mounted<Self, f32> {
-        Mounted::new(self).with_tool(*tool)
+        Mounted::new(self).with_tool(tool)
     }
 
     /// This arm on another frame: the pose (m) of the table's base frame in the world.
     #[must_use]
     pub fn with_base(self, base: &Frame<f32>) -> Mounted<Self, f32> {
-        Mounted::new(self).with_base(*base)
+        Mounted::new(self).with_base(base)
     }
 }
 
 /// The tool frame in the base frame.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 #[inline]
 fn forward_kinematics(q: &[f32; 2]) -> Frame<f32> {
     let (s1, c1) = Float::sin_cos(q[0]);
@@ -681,6 +685,7 @@ fn forward_kinematics(q: &[f32; 2]) -> Frame<f32> {
 
 /// Columns of the geometric Jacobian.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 #[inline]
 fn geometric_jacobian(q: &[f32; 2]) -> [[f32; 6]; 2] {
     let (s1, c1) = Float::sin_cos(q[0]);
@@ -694,6 +699,7 @@ fn geometric_jacobian(q: &[f32; 2]) -> [[f32; 6]; 2] {
 
 /// The tool frame, and the columns of the Jacobian.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 #[inline]
 fn pose_and_jacobian(q: &[f32; 2]) -> (Frame<f32>, [[f32; 6]; 2]) {
     let (s1, c1) = Float::sin_cos(q[0]);
@@ -713,6 +719,7 @@ fn pose_and_jacobian(q: &[f32; 2]) -> (Frame<f32>, [[f32; 6]; 2]) {
 
 /// The frame of every row, base first.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 #[inline]
 fn row_frames(q: &[f32; 2]) -> [Frame<f32>; 3] {
     let (s1, c1) = Float::sin_cos(q[0]);
@@ -733,12 +740,14 @@ fn row_frames(q: &[f32; 2]) -> [Frame<f32>; 3] {
 }
 
 /// Where the tool point is (m).
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn tool_point(q: &[f32; 2]) -> [f32; 3] {
     forward_kinematics(q).translation
 }
 
 /// Every solution of the full pose.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_pose(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Pose)?;
     let [r11, _, _, _, _, _, _, _, _, _, _, pz] = target.numbers().array();
@@ -752,6 +761,7 @@ fn solve_pose(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `position`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_position(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Position)?;
     let [px, _, pz] = target.numbers().array();
@@ -765,6 +775,7 @@ fn solve_position(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32
 
 /// Every solution of `position_direction`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_position_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::PositionDirection)?;
     let [px, _, _, _, _, zz] = target.numbers().array();
@@ -778,6 +789,7 @@ fn solve_position_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, I
 
 /// Every solution of `position_yaw`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_position_yaw(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::PositionYaw)?;
     let [px, _, _, _, syaw] = target.numbers().array();
@@ -791,6 +803,7 @@ fn solve_position_yaw(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError
 
 /// Every solution of `rotation`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_rotation(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Rotation)?;
     let [r11, _, _, _, _, _, _, _, r33] = target.numbers().array();
@@ -804,6 +817,7 @@ fn solve_rotation(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32
 
 /// Every solution of `direction`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Direction)?;
     let [zx, _, zz] = target.numbers().array();
@@ -817,6 +831,7 @@ fn solve_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f3
 
 /// Every solution of `ray`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_ray(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Ray)?;
     let [px, _, _, _, _, zz] = target.numbers().array();
@@ -830,6 +845,7 @@ fn solve_ray(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `lookat`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_lookat(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Lookat)?;
     let [px, _, pz] = target.numbers().array();
@@ -843,6 +859,7 @@ fn solve_lookat(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>>
 
 /// Every solution of `xy`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_xy(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
@@ -856,6 +873,7 @@ fn solve_xy(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `xy_yaw`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_xy_yaw(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::XyYaw)?;
     let [px, _, _, syaw] = target.numbers().array();

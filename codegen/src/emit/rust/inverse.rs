@@ -132,7 +132,7 @@ impl<'a> Printer<'a> {
         let name =
             problem.map_or("the full pose".to_owned(), |problem| format!("`{}`", clean(&problem.name)));
         text.line(format!("/// Every solution of {name}."));
-        Self::allowances(text, &lines);
+        self.allowances(text, &lines);
         let result = format!(
             "{}<{}, {}>",
             self.paths.prelude("Result"),

@@ -147,9 +147,7 @@ impl Printer<'_> {
         let value = value(&numbers);
         text.line(format!("/// {documentation}"));
         if numbers.approximate.get() {
-            text.line(format!(
-                "#[allow({APPROXIMATE}, reason = \"numbers of the table, as they were written\")]"
-            ));
+            text.allow(&[APPROXIMATE], "numbers of the table, as they were written");
         }
         let tabular = value.contains('\n');
         if tabular {

@@ -84,6 +84,22 @@ impl Text {
         }
     }
 
+    /// An attribute that allows lints, with its reason.
+    pub(super) fn allow(&mut self, lints: &[&str], reason: &str) {
+        let reason = format!("reason = \"{reason}\"");
+        let arguments = format!("{}, {reason}", lints.join(", "));
+        // rustfmt keeps up to 70 columns of arguments on one line.
+        if arguments.len() <= 70 {
+            return self.line(format!("#[allow({arguments})]"));
+        }
+        self.open("#[allow(");
+        for lint in lints {
+            self.line(format!("{lint},"));
+        }
+        self.line(reason);
+        self.close(")]");
+    }
+
     /// Opens a function: its head, parameters and result on one line, or a parameter a line.
     pub(super) fn signature(&mut self, head: &str, parameters: &[String], result: &str) {
         let line = format!("{head}({}) -> {result} {{", parameters.join(", "));
