@@ -23,6 +23,7 @@ mod where_clause;
 mod tests;
 
 pub use report::{FunctionReport, InverseReport, Report};
+pub use singular_values::singular_values;
 
 use crate::diagnostic::catalogue::VERIFICATION;
 use crate::diagnostic::{Diagnostic, Diagnostics};
