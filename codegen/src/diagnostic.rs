@@ -6,7 +6,7 @@
 use std::collections::HashSet;
 use std::ops::Range;
 
-/// Codes and what they mean.
+// Codes and what they mean.
 pub mod catalogue;
 mod render;
 
@@ -61,29 +61,18 @@ impl Diagnostic {
 
     /// A warning with a code of the catalogue.
     pub fn warning(code: &'static str, message: impl Into<String>) -> Diagnostic {
-        Diagnostic {
-            severity: Severity::Warning,
-            ..Diagnostic::error(code, message)
-        }
+        Diagnostic { severity: Severity::Warning, ..Diagnostic::error(code, message) }
     }
 
     /// Underlines the place that the message speaks of.
     pub fn at(mut self, span: Range<usize>, text: impl Into<String>) -> Diagnostic {
-        self.labels.push(Label {
-            span,
-            text: text.into(),
-            primary: true,
-        });
+        self.labels.push(Label { span, text: text.into(), primary: true });
         self
     }
 
     /// Underlines a place that explains it.
     pub fn beside(mut self, span: Range<usize>, text: impl Into<String>) -> Diagnostic {
-        self.labels.push(Label {
-            span,
-            text: text.into(),
-            primary: false,
-        });
+        self.labels.push(Label { span, text: text.into(), primary: false });
         self
     }
 
@@ -121,9 +110,12 @@ impl Diagnostics {
 
     /// Whether the table is refused.
     pub fn has_errors(&self) -> bool {
-        self.items
-            .iter()
-            .any(|item| item.severity == Severity::Error)
+        self.errors() > 0
+    }
+
+    /// How many errors there are.
+    pub fn errors(&self) -> usize {
+        self.items.iter().filter(|item| item.severity == Severity::Error).count()
     }
 
     /// How many there are.
@@ -155,23 +147,27 @@ pub fn shortened(text: &str) -> String {
     format!("{start}...")
 }
 
-/// The nearest of some names to what was written, if any is near.
+/// The nearest of some names to what was written, if any is near: a few letters are wrong, or the end is missing.
 pub fn nearest<'a>(written: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    if written.len() > 200 {
+    const LONGEST: usize = 100;
+    if written.len() > LONGEST {
         return None;
     }
     let lower = written.to_lowercase();
-    names
-        .into_iter()
-        .map(|name| {
-            (
-                strsim::damerau_levenshtein(&lower, &name.to_lowercase()),
-                name,
-            )
-        })
-        .filter(|(distance, name)| *distance <= (name.chars().count().max(3) / 3).max(1))
-        .min_by_key(|(distance, _)| *distance)
-        .map(|(_, name)| name)
+    let mut best: Option<(usize, &str)> = None;
+    for name in names {
+        let lower_name = name.to_lowercase();
+        let letters = name.chars().count();
+        let distance = strsim::damerau_levenshtein(&lower, &lower_name);
+        // Of words of one or two letters each is near to any other.
+        let near = distance == 0
+            || (letters > 2 && distance <= (letters / 3).max(1) && distance < lower.chars().count());
+        let begun = lower.len() > 2 && lower_name.starts_with(&lower);
+        if (near || begun) && best.is_none_or(|(least, _)| distance < least) {
+            best = Some((distance, name));
+        }
+    }
+    best.map(|(_, name)| name)
 }
 
 #[cfg(test)]
@@ -179,19 +175,15 @@ mod tests {
     use super::*;
     use expect_test::expect;
 
-    const TEXT: &str =
-        "[robot]\nname = \"x\"\nnmae = 3\n\n[[joint]]\nd = 1\nlimits = [\n  2,\n  1,\n]\n";
+    const TEXT: &str = "[robot]\nname = \"x\"\nnmae = 3\n\n[[joint]]\nd = 1\nlimits = [\n  2,\n  1,\n]\n";
 
     fn sample() -> Diagnostics {
         let mut diagnostics = Diagnostics::new();
         diagnostics.push(
-            Diagnostic::error(
-                catalogue::LIMITS_ORDER,
-                "the lower limit is above the upper one",
-            )
-            .at(54..67, "2 > 1")
-            .beside(29..38, "of this joint")
-            .help("write `limits = [1, 2]`"),
+            Diagnostic::error(catalogue::LIMITS_ORDER, "the lower limit is above the upper one")
+                .at(54..67, "2 > 1")
+                .beside(29..38, "of this joint")
+                .help("write `limits = [1, 2]`"),
         );
         diagnostics.push(
             Diagnostic::warning(catalogue::UNKNOWN_KEY, "unknown key `nmae`")
@@ -203,7 +195,7 @@ mod tests {
 
     #[test]
     fn drawn_in_the_order_of_the_text() {
-        expect![[r#"
+        expect![[r"
             warning[unknown-key]: unknown key `nmae`
              --> robots/x.toml:3:1
               |
@@ -225,13 +217,13 @@ mod tests {
             10 | | ]
                | |_^ 2 > 1
                |
-               = help: write `limits = [1, 2]`"#]]
+               = help: write `limits = [1, 2]`"]]
         .assert_eq(&sample().render(TEXT, "robots/x.toml", Style::Plain));
     }
 
     #[test]
     fn a_macro_leaves_the_level_to_rustc() {
-        expect![[r#"
+        expect![[r"
             warning: unknown key `nmae`
              --> x.toml:3:1
               |
@@ -253,7 +245,7 @@ mod tests {
             10 | | ]
                | |_^ 2 > 1
                |
-               = help: write `limits = [1, 2]`"#]]
+               = help: write `limits = [1, 2]`"]]
         .assert_eq(&sample().render(TEXT, "x.toml", Style::WithinError));
     }
 
@@ -278,8 +270,7 @@ mod tests {
     #[test]
     fn places_outside_the_text_are_drawn_at_its_end() {
         let mut diagnostics = Diagnostics::new();
-        diagnostics
-            .push(Diagnostic::error(catalogue::SYNTAX, "unexpected end").at(900..1000, "here"));
+        diagnostics.push(Diagnostic::error(catalogue::SYNTAX, "unexpected end").at(900..1000, "here"));
         diagnostics.push(Diagnostic::error(catalogue::SYNTAX, "inside a letter").at(1..2, ""));
         let drawn = diagnostics.render("é = é", "x.toml", Style::Plain);
         assert!(drawn.contains("x.toml:1:"), "{drawn}");

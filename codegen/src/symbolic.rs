@@ -3,15 +3,15 @@
 //! `number`, `angle` and `expression` are the algebra; `transform` and `chain` write the robot in it;
 //! `forward_kinematics`, `jacobian` and `inverse_kinematics` derive the equations.
 
-pub mod number;
 pub mod angle;
-pub mod expression;
-pub mod transform;
 pub mod chain;
+pub mod expression;
 pub mod forward_kinematics;
-pub mod jacobian;
 pub mod inverse_kinematics;
+pub mod jacobian;
+pub mod number;
 pub mod text;
+pub mod transform;
 
 use crate::model::Model;
 use expression::{Arena, Expr};

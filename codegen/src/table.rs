@@ -8,12 +8,14 @@ use std::ops::Range;
 use toml::de::DeTable;
 
 mod damage;
-/// Numbers in quotes.
+mod duplicates;
+// Numbers in quotes.
 pub mod expression;
 mod fields;
 mod lexer;
 mod places;
 mod sections;
+mod types;
 
 /// A table has at most so many bytes.
 pub const LARGEST: usize = 256 * 1024;
@@ -44,10 +46,7 @@ pub struct Text {
 impl Text {
     /// Where a part of the string stands in the table.
     pub fn place(&self, part: &Range<usize>) -> Span {
-        self.base.map_or_else(
-            || self.span.clone(),
-            |base| base + part.start..base + part.end,
-        )
+        self.base.map_or_else(|| self.span.clone(), |base| base + part.start..base + part.end)
     }
 }
 
@@ -247,33 +246,17 @@ pub struct Device {
 /// Reads a table. What cannot be read is reported and left out.
 pub fn parse(text: &str, diagnostics: &mut Diagnostics) -> Table {
     if text.len() > LARGEST {
-        let message = format!(
-            "the table has {} KiB, more than the 256 KiB that a table may have",
-            text.len() / 1024
-        );
+        let message =
+            format!("the table has {} KiB, more than the 256 KiB that a table may have", text.len() / 1024);
         diagnostics.push(
-            Diagnostic::error(catalogue::TOO_LARGE, message)
-                .help("leave out what is not part of the robot"),
+            Diagnostic::error(catalogue::TOO_LARGE, message).help("leave out what is not part of the robot"),
         );
         return Table::default();
     }
-    let damage::Mended {
-        text: mended,
-        complete,
-    } = damage::mend(text, diagnostics);
+    let damage::Mended { text: mended, complete } = damage::mend(text, diagnostics);
     let (root, errors) = DeTable::parse_recoverable(&mended);
-    damage::report_duplicates(text, root.get_ref(), &errors, diagnostics);
-    let line_feeds = text
-        .bytes()
-        .enumerate()
-        .filter(|(_, byte)| *byte == b'\n')
-        .map(|(at, _)| at)
-        .collect();
-    let mut reader = fields::Reader {
-        text,
-        diagnostics,
-        line_feeds,
-        complete,
-    };
+    let repeated = duplicates::report(text, root.get_ref(), &errors, diagnostics);
+    let line_feeds = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect();
+    let mut reader = fields::Reader { text, diagnostics, line_feeds, repeated, complete };
     sections::read(&mut reader, root.get_ref())
 }

@@ -20,6 +20,8 @@ mod singular_values;
 mod where_clause;
 
 #[cfg(test)]
+mod mutations;
+#[cfg(test)]
 mod tests;
 
 pub use report::{FunctionReport, InverseReport, Report};

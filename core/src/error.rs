@@ -75,28 +75,15 @@ impl<S: Float> fmt::Display for IkError<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Singular { joint, gap } => {
-                write!(
-                    f,
-                    "singular: joint {} cannot make up for the {gap:.3e} that is missing",
-                    joint + 1
-                )
+                write!(f, "singular: joint {} cannot make up for the {gap:.3e} that is missing", joint + 1)
             }
             Self::Unreachable { step, excess } if step.excess_is_length() => {
                 write!(f, "out of reach: {step} lacks {excess:.6} m")
             }
             Self::Unreachable { step, excess } => {
-                write!(
-                    f,
-                    "out of reach: {step} exceeds its domain by {:.6} %",
-                    excess.to_f64() * 100.0
-                )
+                write!(f, "out of reach: {step} exceeds its domain by {:.6} %", excess.to_f64() * 100.0)
             }
-            Self::OutsideLimits {
-                joint,
-                value,
-                min,
-                max,
-            } => {
+            Self::OutsideLimits { joint, value, min, max } => {
                 write!(
                     f,
                     "outside the limits: joint {} would be at {value:.6}, not in {min:.6} to {max:.6} (rad or m)",
@@ -105,14 +92,10 @@ impl<S: Float> fmt::Display for IkError<S> {
             }
             Self::Forbidden { rule } => write!(f, "forbidden: {rule}"),
             Self::NotFinite => f.write_str("the target has a number that is infinite or NaN"),
-            Self::NotRigid { error } => write!(
-                f,
-                "the target's rotation or direction is not one: off by {error:.3e}"
-            ),
-            Self::Failed {
-                position_error,
-                rotation_error,
-            } => write!(
+            Self::NotRigid { error } => {
+                write!(f, "the target's rotation or direction is not one: off by {error:.3e}")
+            }
+            Self::Failed { position_error, rotation_error } => write!(
                 f,
                 "no candidate reaches the target: the best misses it by {position_error:.3e} m and {rotation_error:.3e} rad"
             ),
@@ -154,11 +137,7 @@ impl LengthError {
     /// # Errors
     /// The two numbers.
     pub const fn check(expected: usize, got: usize) -> Result<(), Self> {
-        if expected == got {
-            Ok(())
-        } else {
-            Err(Self { expected, got })
-        }
+        if expected == got { Ok(()) } else { Err(Self { expected, got }) }
     }
 }
 

@@ -76,20 +76,12 @@ pub trait Float:
 
     /// The smaller of the two; the other one where one is NaN.
     fn min(self, other: Self) -> Self {
-        if other < self || self.is_nan() {
-            other
-        } else {
-            self
-        }
+        if other < self || self.is_nan() { other } else { self }
     }
 
     /// The greater of the two; the other one where one is NaN.
     fn max(self, other: Self) -> Self {
-        if other > self || self.is_nan() {
-            other
-        } else {
-            self
-        }
+        if other > self || self.is_nan() { other } else { self }
     }
 
     /// The same angle (rad) in (-pi, pi].
@@ -182,27 +174,5 @@ macro_rules! float {
 }
 
 // 2^-26, and 2^-11.5 to the last bit.
-float!(
-    f64,
-    1.490_116_119_384_765_6e-8,
-    sincos,
-    atan2,
-    sqrt,
-    hypot,
-    fabs,
-    floor,
-    ceil,
-    round
-);
-float!(
-    f32,
-    3.452_669_8e-4,
-    sincosf,
-    atan2f,
-    sqrtf,
-    hypotf,
-    fabsf,
-    floorf,
-    ceilf,
-    roundf
-);
+float!(f64, 1.490_116_119_384_765_6e-8, sincos, atan2, sqrt, hypot, fabs, floor, ceil, round);
+float!(f32, 3.452_669_8e-4, sincosf, atan2f, sqrtf, hypotf, fabsf, floorf, ceilf, roundf);

@@ -19,11 +19,7 @@ pub struct Frame<S = f64> {
 impl<S: Float> Frame<S> {
     /// The frame itself.
     pub const IDENTITY: Self = Self {
-        rotation: [
-            [S::ONE, S::ZERO, S::ZERO],
-            [S::ZERO, S::ONE, S::ZERO],
-            [S::ZERO, S::ZERO, S::ONE],
-        ],
+        rotation: [[S::ONE, S::ZERO, S::ZERO], [S::ZERO, S::ONE, S::ZERO], [S::ZERO, S::ZERO, S::ONE]],
         translation: [S::ZERO; 3],
     };
 
@@ -35,10 +31,7 @@ impl<S: Float> Frame<S> {
     /// From the rows of `[R | p]`: `r11 r12 r13 px  r21 r22 r23 py  r31 r32 r33 pz` (m).
     pub const fn from_rows(rows: [S; 12]) -> Self {
         let [r11, r12, r13, px, r21, r22, r23, py, r31, r32, r33, pz] = rows;
-        Self {
-            rotation: [[r11, r12, r13], [r21, r22, r23], [r31, r32, r33]],
-            translation: [px, py, pz],
-        }
+        Self { rotation: [[r11, r12, r13], [r21, r22, r23], [r31, r32, r33]], translation: [px, py, pz] }
     }
 
     /// The rows of `[R | p]`, as [`Frame::from_rows`] takes them.
@@ -50,10 +43,7 @@ impl<S: Float> Frame<S> {
 
     /// A pure translation (m).
     pub const fn from_translation(translation: [S; 3]) -> Self {
-        Self {
-            rotation: Self::IDENTITY.rotation,
-            translation,
-        }
+        Self { rotation: Self::IDENTITY.rotation, translation }
     }
 
     /// Rotation about fixed x, y, z: Rz(yaw) Ry(pitch) Rx(roll), angles in radians; translation in metres.
@@ -66,10 +56,7 @@ impl<S: Float> Frame<S> {
             [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
             [-sp, cp * sr, cp * cr],
         ];
-        Self {
-            rotation,
-            translation,
-        }
+        Self { rotation, translation }
     }
 
     /// `self * other`: where `other`, given in this frame, is in the frame that this one is given in.
@@ -84,10 +71,7 @@ impl<S: Float> Frame<S> {
     pub fn inverse(&self) -> Self {
         let rotation = transpose(&self.rotation);
         let translation = matrix_vector(&rotation, self.translation).map(|x| -x);
-        Self {
-            rotation,
-            translation,
-        }
+        Self { rotation, translation }
     }
 
     /// A point of this frame (m) in the frame that this one is given in.

@@ -54,10 +54,7 @@ impl<S: Float> Limits<S> {
 
     /// What is in both intervals, if anything is.
     pub fn intersection(&self, other: &Self) -> Option<Self> {
-        let both = Self {
-            min: self.min.max(other.min),
-            max: self.max.min(other.max),
-        };
+        let both = Self { min: self.min.max(other.min), max: self.max.min(other.max) };
         (both.min <= both.max).then_some(both)
     }
 
@@ -139,10 +136,7 @@ impl<S: Float> Servo<'_, S> {
     pub fn limits(&self) -> Option<Limits<S>> {
         self.range.map(|range| {
             let (a, b) = (self.from_device(range.min), self.from_device(range.max));
-            Limits {
-                min: a.min(b),
-                max: a.max(b),
-            }
+            Limits { min: a.min(b), max: a.max(b) }
         })
     }
 }

@@ -1,8 +1,6 @@
 //! One robot as motion, drivers and the command line see it.
 
-use crate::{
-    Float, Frame, IkError, Joint, LengthError, Rules, SolutionSet, Target, TargetKind, Violations,
-};
+use crate::{Float, Frame, IkError, Joint, LengthError, Rules, SolutionSet, Target, TargetKind, Violations};
 
 /// The name of the inverse problem of the full pose.
 pub const FULL_POSE: &str = "pose";
@@ -67,12 +65,7 @@ pub trait Kinematics<S: Float = f64> {
     ///
     /// # Errors
     /// Why there is none; `out` is empty then.
-    fn ik_into(
-        &self,
-        problem: &str,
-        target: &Target<S>,
-        out: &mut SolutionSet<S>,
-    ) -> Result<(), IkError<S>>;
+    fn ik_into(&self, problem: &str, target: &Target<S>, out: &mut SolutionSet<S>) -> Result<(), IkError<S>>;
 
     /// How many joints it has.
     fn dof(&self) -> usize {
@@ -105,21 +98,14 @@ pub trait Kinematics<S: Float = f64> {
     ) -> Result<(), IkError<S>> {
         self.ik_into(problem, target, out)?;
         // The solutions have the right length: the point is always there.
-        out.within(
-            &self.rules(),
-            |q| self.rules_point(q).unwrap_or([S::NAN; 3]),
-            seed,
-        )
+        out.within(&self.rules(), |q| self.rules_point(q).unwrap_or([S::NAN; 3]), seed)
     }
 
     /// Whether limits and rules allow these joint values.
     ///
     /// # Errors
     /// Everything that they break, a wrong number of values included.
-    #[allow(
-        clippy::result_large_err,
-        reason = "no heap: the error holds the joint values that it speaks of"
-    )]
+    #[allow(clippy::result_large_err, reason = "no heap: the error holds the joint values that it speaks of")]
     fn check(&self, q: &[S]) -> Result<(), Violations<'_, S>> {
         match self.rules_point(q) {
             Ok(position) => self.rules().check(q, position),
@@ -158,12 +144,7 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Kinematics<S> for &K {
     fn jacobian_into(&self, q: &[S], out: &mut [[S; 6]]) -> Result<(), LengthError> {
         (**self).jacobian_into(q, out)
     }
-    fn ik_into(
-        &self,
-        problem: &str,
-        target: &Target<S>,
-        out: &mut SolutionSet<S>,
-    ) -> Result<(), IkError<S>> {
+    fn ik_into(&self, problem: &str, target: &Target<S>, out: &mut SolutionSet<S>) -> Result<(), IkError<S>> {
         (**self).ik_into(problem, target, out)
     }
     fn rules_point(&self, q: &[S]) -> Result<[S; 3], LengthError> {

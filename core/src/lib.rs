@@ -38,9 +38,7 @@ pub use kinematics::{FULL_POSE, Kinematics, ProblemInfo};
 pub use mounted::{Mounted, MountingFrame};
 #[cfg(feature = "nalgebra")]
 pub use nalgebra_types::{Jacobian, Pose, jacobian_from_columns};
-pub use rules::{
-    Axis, Bound, KeepOut, Rule, Rules, Side, SumLimit, Violation, Violations, Winding,
-};
+pub use rules::{Axis, Bound, KeepOut, Rule, Rules, Side, SumLimit, Violation, Violations, Winding};
 pub use search::{Condition, Roots, Search};
 pub use solution_set::{SolutionSet, SolutionView};
 pub use solutions::{Solution, Solutions};

@@ -48,11 +48,7 @@ impl fmt::Display for MountingFrame {
 impl<K, S: Float> Mounted<K, S> {
     /// The robot as its table has it.
     pub const fn new(arm: K) -> Self {
-        Self {
-            arm,
-            base: Frame::IDENTITY,
-            tool: Frame::IDENTITY,
-        }
+        Self { arm, base: Frame::IDENTITY, tool: Frame::IDENTITY }
     }
 
     /// With this frame as its tool: the pose of the tool point in the table's tool frame.
@@ -73,12 +69,7 @@ impl<K, S: Float> Mounted<K, S> {
     /// What to ask of the robot for this target.
     fn target_of_arm(&self, target: &Target<S>) -> Result<Target<S>, IkError<S>> {
         let kind = target.kind();
-        let unclear = |frame| {
-            Err(IkError::Mounting {
-                frame,
-                target: kind,
-            })
-        };
+        let unclear = |frame| Err(IkError::Mounting { frame, target: kind });
         let world = self.base.inverse();
         let any_tool = matches!(kind, TargetKind::Pose | TargetKind::Rotation);
         if !any_tool && self.tool != Frame::IDENTITY {
@@ -87,10 +78,7 @@ impl<K, S: Float> Mounted<K, S> {
         let [[_, _, r13], [r21, r22, r23], [r31, r32, r33]] = world.rotation;
         let rounding = S::from_f64(ABOUT_Z) * S::EPSILON;
         let about_z = r33 > S::ZERO && [r13, r23, r31, r32].iter().all(|r| r.abs() <= rounding);
-        let planar = matches!(
-            kind,
-            TargetKind::PositionYaw | TargetKind::Xy | TargetKind::XyYaw
-        );
+        let planar = matches!(kind, TargetKind::PositionYaw | TargetKind::Xy | TargetKind::XyYaw);
         if planar && !about_z {
             return unclear(MountingFrame::Base);
         }
@@ -104,38 +92,23 @@ impl<K, S: Float> Mounted<K, S> {
         Ok(match *target {
             Target::Pose(pose) => Target::Pose(world * pose * self.tool.inverse()),
             Target::Rotation(rotation) => {
-                let wanted = Frame {
-                    rotation,
-                    ..Frame::IDENTITY
-                };
+                let wanted = Frame { rotation, ..Frame::IDENTITY };
                 Target::Rotation((world * wanted * self.tool.inverse()).rotation)
             }
             Target::Position(position) => Target::Position(point(position)),
             Target::Lookat(position) => Target::Lookat(point(position)),
             Target::Direction(direction) => Target::Direction(vector(direction)),
-            Target::PositionDirection {
-                position,
-                direction,
-            } => Target::PositionDirection {
-                position: point(position),
-                direction: vector(direction),
-            },
-            Target::Ray {
-                position,
-                direction,
-            } => Target::Ray {
-                position: point(position),
-                direction: vector(direction),
-            },
-            Target::PositionYaw { position, yaw } => Target::PositionYaw {
-                position: point(position),
-                yaw: yaw + turn,
-            },
+            Target::PositionDirection { position, direction } => {
+                Target::PositionDirection { position: point(position), direction: vector(direction) }
+            }
+            Target::Ray { position, direction } => {
+                Target::Ray { position: point(position), direction: vector(direction) }
+            }
+            Target::PositionYaw { position, yaw } => {
+                Target::PositionYaw { position: point(position), yaw: yaw + turn }
+            }
             Target::Xy(position) => Target::Xy(plane(position)),
-            Target::XyYaw { position, yaw } => Target::XyYaw {
-                position: plane(position),
-                yaw: yaw + turn,
-            },
+            Target::XyYaw { position, yaw } => Target::XyYaw { position: plane(position), yaw: yaw + turn },
         })
     }
 }
@@ -189,33 +162,23 @@ impl<K: Kinematics<S>, S: Float> Kinematics<S> for Mounted<K, S> {
             let angular = [wx, wy, wz];
             // The mounted tool point moves with the rotation besides.
             let linear = add([vx, vy, vz], cross(angular, lever));
-            let ([vx, vy, vz], [wx, wy, wz]) = (
-                self.base.transform_vector(linear),
-                self.base.transform_vector(angular),
-            );
+            let ([vx, vy, vz], [wx, wy, wz]) =
+                (self.base.transform_vector(linear), self.base.transform_vector(angular));
             *column = [vx, vy, vz, wx, wy, wz];
         }
         Ok(())
     }
 
-    fn ik_into(
-        &self,
-        problem: &str,
-        target: &Target<S>,
-        out: &mut SolutionSet<S>,
-    ) -> Result<(), IkError<S>> {
+    fn ik_into(&self, problem: &str, target: &Target<S>, out: &mut SolutionSet<S>) -> Result<(), IkError<S>> {
         out.clear();
         let target = target.validate()?;
-        self.arm
-            .ik_into(problem, &self.target_of_arm(&target)?, out)?;
+        self.arm.ik_into(problem, &self.target_of_arm(&target)?, out)?;
         let error = (S::INFINITY, S::INFINITY);
         out.measure(|q| self.fk(q).map_or(error, |tool| target.errors(&tool)));
         Ok(())
     }
 
     fn rules_point(&self, q: &[S]) -> Result<[S; 3], LengthError> {
-        self.arm
-            .fk(q)
-            .map(|tool| tool.transform_point(self.tool.translation))
+        self.arm.fk(q).map(|tool| tool.transform_point(self.tool.translation))
     }
 }

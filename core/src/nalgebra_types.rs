@@ -11,9 +11,7 @@ pub type Pose<S = f64> = IsometryMatrix3<S>;
 pub type Jacobian<const N: usize, S = f64> = SMatrix<S, 6, N>;
 
 /// A Jacobian from its columns, as [`Kinematics::jacobian_into`](crate::Kinematics::jacobian_into) gives them.
-pub fn jacobian_from_columns<const N: usize, S: Float + RealField>(
-    columns: [[S; 6]; N],
-) -> Jacobian<N, S> {
+pub fn jacobian_from_columns<const N: usize, S: Float + RealField>(columns: [[S; 6]; N]) -> Jacobian<N, S> {
     SMatrix::from_data(nalgebra::ArrayStorage(columns))
 }
 
@@ -22,10 +20,7 @@ impl<S: Float + RealField> From<Frame<S>> for IsometryMatrix3<S> {
         let [[r11, r12, r13], [r21, r22, r23], [r31, r32, r33]] = frame.rotation;
         let matrix = Matrix3::new(r11, r12, r13, r21, r22, r23, r31, r32, r33);
         let [x, y, z] = frame.translation;
-        Self::from_parts(
-            Translation3::new(x, y, z),
-            Rotation3::from_matrix_unchecked(matrix),
-        )
+        Self::from_parts(Translation3::new(x, y, z), Rotation3::from_matrix_unchecked(matrix))
     }
 }
 
@@ -43,10 +38,7 @@ impl<S: Float + RealField> From<IsometryMatrix3<S>> for Frame<S> {
 
 impl<S: Float + RealField> From<&IsometryMatrix3<S>> for Frame<S> {
     fn from(pose: &IsometryMatrix3<S>) -> Self {
-        Self {
-            rotation: rotation_rows(&pose.rotation),
-            translation: vector_array(&pose.translation.vector),
-        }
+        Self { rotation: rotation_rows(&pose.rotation), translation: vector_array(&pose.translation.vector) }
     }
 }
 
@@ -64,9 +56,6 @@ fn vector_array<S: Float + RealField>(vector: &Vector3<S>) -> [S; 3] {
 /// A rotation as rows, for [`Target::Rotation`](crate::Target::Rotation).
 impl<S: Float + RealField> From<&Rotation3<S>> for Frame<S> {
     fn from(rotation: &Rotation3<S>) -> Self {
-        Self {
-            rotation: rotation_rows(rotation),
-            translation: [S::ZERO; 3],
-        }
+        Self { rotation: rotation_rows(rotation), translation: [S::ZERO; 3] }
     }
 }

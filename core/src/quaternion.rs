@@ -48,9 +48,6 @@ impl<S: Float> Frame<S> {
             [xy + wz, one - (xx + zz), yz - wx],
             [xz - wy, yz + wx, one - (xx + yy)],
         ];
-        Some(Self {
-            rotation,
-            translation,
-        })
+        Some(Self { rotation, translation })
     }
 }

@@ -36,11 +36,9 @@ pub struct SumLimit<'a, S = f64> {
 impl<S: Float> SumLimit<'_, S> {
     /// The sum at these joint values (rad or m).
     pub fn value(&self, q: &[S]) -> S {
-        self.terms
-            .iter()
-            .fold(S::ZERO, |sum, (joint, coefficient)| {
-                sum + q.get(*joint).map_or(S::ZERO, |value| *coefficient * *value)
-            })
+        self.terms.iter().fold(S::ZERO, |sum, (joint, coefficient)| {
+            sum + q.get(*joint).map_or(S::ZERO, |value| *coefficient * *value)
+        })
     }
 }
 
@@ -195,52 +193,21 @@ pub enum Rule<S = f64> {
 impl<S: Float> fmt::Display for Rule<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Sum {
-                index,
-                value,
-                min,
-                max,
-            } => {
-                write!(
-                    f,
-                    "sum {} is {value:.6}, not in {min:.6} to {max:.6} (rad or m)",
-                    index + 1
-                )
+            Self::Sum { index, value, min, max } => {
+                write!(f, "sum {} is {value:.6}, not in {min:.6} to {max:.6} (rad or m)", index + 1)
             }
-            Self::Bound {
-                bound:
-                    Bound {
-                        axis,
-                        side,
-                        value: limit,
-                    },
-                value,
-            } => {
+            Self::Bound { bound: Bound { axis, side, value: limit }, value } => {
                 let relation = match side {
                     Side::Min => "below",
                     Side::Max => "above",
                 };
-                write!(
-                    f,
-                    "the tool point's {axis} is {value:.6} m, {relation} {limit:.6} m"
-                )
+                write!(f, "the tool point's {axis} is {value:.6} m, {relation} {limit:.6} m")
             }
-            Self::KeepOut {
-                index,
-                position: [x, y, z],
-            } => {
-                write!(
-                    f,
-                    "the tool point ({x:.6}, {y:.6}, {z:.6}) m is in keep-out box {}",
-                    index + 1
-                )
+            Self::KeepOut { index, position: [x, y, z] } => {
+                write!(f, "the tool point ({x:.6}, {y:.6}, {z:.6}) m is in keep-out box {}", index + 1)
             }
             Self::Where { index, excess } => {
-                write!(
-                    f,
-                    "condition {} of the problem is exceeded by {excess:.6} (rad or m)",
-                    index + 1
-                )
+                write!(f, "condition {} of the problem is exceeded by {excess:.6} (rad or m)", index + 1)
             }
         }
     }
@@ -263,13 +230,7 @@ pub(crate) fn within<S: Float>(limits: &Limits<S>, value: S) -> bool {
 impl<'a, S: Float> Rules<'a, S> {
     /// The limits of these joints and no other rules.
     pub const fn of_joints(joints: &'a [Joint<'a, S>], windings: &'a [Winding<'a, S>]) -> Self {
-        Self {
-            joints,
-            sums: &[],
-            bounds: &[],
-            keep_out: &[],
-            windings,
-        }
+        Self { joints, sums: &[], bounds: &[], keep_out: &[], windings }
     }
 
     /// Everything that these joint values (rad or m) with this tool point (m, base frame) break.
@@ -281,48 +242,29 @@ impl<'a, S: Float> Rules<'a, S> {
     ///
     /// # Errors
     /// Every rule that they break.
-    #[allow(
-        clippy::result_large_err,
-        reason = "no heap: the error holds the joint values that it speaks of"
-    )]
+    #[allow(clippy::result_large_err, reason = "no heap: the error holds the joint values that it speaks of")]
     pub fn check(&self, q: &[S], position: [S; 3]) -> Result<(), Violations<'a, S>> {
         let violations = self.violations(q, position);
-        if violations.is_empty() {
-            Ok(())
-        } else {
-            Err(violations)
-        }
+        if violations.is_empty() { Ok(()) } else { Err(violations) }
     }
 
     /// The first sum that the joint values break.
     pub(crate) fn broken_sum(&self, q: &[S]) -> Option<Rule<S>> {
-        self.sums
-            .iter()
-            .enumerate()
-            .find_map(|(index, sum)| sum_rule(index, sum, q))
+        self.sums.iter().enumerate().find_map(|(index, sum)| sum_rule(index, sum, q))
     }
 
     /// The first workspace rule that the tool point (m) breaks.
     pub(crate) fn broken_workspace(&self, position: [S; 3]) -> Option<Rule<S>> {
-        let bound = self
-            .bounds
-            .iter()
-            .find_map(|bound| bound_rule(bound, position));
+        let bound = self.bounds.iter().find_map(|bound| bound_rule(bound, position));
         bound.or_else(|| {
-            self.keep_out
-                .iter()
-                .enumerate()
-                .find_map(|(index, keep)| keep_out_rule(index, keep, position))
+            self.keep_out.iter().enumerate().find_map(|(index, keep)| keep_out_rule(index, keep, position))
         })
     }
 
     /// Whether the joint limits and sums allow these joint values.
     pub(crate) fn allow_joints(&self, q: &[S]) -> bool {
-        let limits = self
-            .joints
-            .iter()
-            .zip(q)
-            .all(|(joint, value)| joint.limits.is_none_or(|l| within(&l, *value)));
+        let limits =
+            self.joints.iter().zip(q).all(|(joint, value)| joint.limits.is_none_or(|l| within(&l, *value)));
         limits && self.broken_sum(q).is_none()
     }
 }
@@ -330,12 +272,7 @@ impl<'a, S: Float> Rules<'a, S> {
 fn sum_rule<S: Float>(index: usize, sum: &SumLimit<'_, S>, q: &[S]) -> Option<Rule<S>> {
     let value = sum.value(q);
     let Limits { min, max } = sum.range;
-    (!within(&sum.range, value)).then_some(Rule::Sum {
-        index,
-        value,
-        min,
-        max,
-    })
+    (!within(&sum.range, value)).then_some(Rule::Sum { index, value, min, max })
 }
 
 fn bound_rule<S: Float>(bound: &Bound<S>, position: [S; 3]) -> Option<Rule<S>> {
@@ -344,10 +281,7 @@ fn bound_rule<S: Float>(bound: &Bound<S>, position: [S; 3]) -> Option<Rule<S>> {
         Side::Min => value >= bound.value - slack(bound.value),
         Side::Max => value <= bound.value + slack(bound.value),
     };
-    (!kept).then_some(Rule::Bound {
-        bound: *bound,
-        value,
-    })
+    (!kept).then_some(Rule::Bound { bound: *bound, value })
 }
 
 fn keep_out_rule<S: Float>(index: usize, keep: &KeepOut<S>, position: [S; 3]) -> Option<Rule<S>> {

@@ -102,11 +102,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     /// ([`Rules::windings`](crate::Rules::windings)) say which whole turns make no difference.
     pub fn new(reach: S, windings: &'a [Winding<'a, S>]) -> Self {
         // An arm that has orientations only has no reach; its lengths are all 0, and so are their errors.
-        let reach = if reach > S::ZERO && reach.is_finite() {
-            reach
-        } else {
-            S::ONE
-        };
+        let reach = if reach > S::ZERO && reach.is_finite() { reach } else { S::ONE };
         Self {
             reach,
             windings,
@@ -124,37 +120,18 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         let hits = position_error <= tolerance * self.reach && rotation_error <= tolerance;
         if !(hits && q.iter().all(|value| value.is_finite())) {
             let miss = (position_error / self.reach).max(rotation_error);
-            self.fail(
-                DEPTH_OF_MISSED,
-                miss,
-                IkError::Failed {
-                    position_error,
-                    rotation_error,
-                },
-            );
+            self.fail(DEPTH_OF_MISSED, miss, IkError::Failed { position_error, rotation_error });
             return;
         }
         let mut q = q;
         crate::rules::wrap_all(self.windings, &mut q);
         let free = self.free_row();
-        self.solutions.push(
-            Solution {
-                q,
-                position_error,
-                rotation_error,
-                free,
-            },
-            self.windings,
-        );
+        self.solutions.push(Solution { q, position_error, rotation_error, free }, self.windings);
     }
 
     /// Notes that a candidate was a solution but breaks a condition of the problem.
     pub fn refuse(&mut self, rule: Rule<S>) {
-        let miss = if let Rule::Where { excess, .. } = rule {
-            excess
-        } else {
-            S::ZERO
-        };
+        let miss = if let Rule::Where { excess, .. } = rule { excess } else { S::ZERO };
         self.fail(DEPTH_OF_REFUSED, miss, IkError::Forbidden { rule });
     }
 
@@ -165,17 +142,14 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     /// failed by least.
     pub fn finish(self) -> Result<Solutions<N, S>, IkError<S>> {
         if self.solutions.is_empty() {
-            return Err(self
-                .failure
-                .map_or(IkError::NotFinite, |failure| failure.error));
+            return Err(self.failure.map_or(IkError::NotFinite, |failure| failure.error));
         }
         Ok(self.solutions)
     }
 
     fn fail(&mut self, depth: u32, miss: S, error: IkError<S>) {
-        let further = self
-            .failure
-            .is_none_or(|old| depth > old.depth || (depth == old.depth && miss < old.miss));
+        let further =
+            self.failure.is_none_or(|old| depth > old.depth || (depth == old.depth && miss < old.miss));
         if further {
             self.failure = Some(Failure { depth, miss, error });
         }
@@ -210,14 +184,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     }
 
     fn singular(&mut self, step: Step, gap: S, scale: &Scale<S>) -> Roots<S> {
-        self.fail_step(
-            step,
-            gap / scale.size,
-            IkError::Singular {
-                joint: step.first_row(),
-                gap,
-            },
-        )
+        self.fail_step(step, gap / scale.size, IkError::Singular { joint: step.first_row(), gap })
     }
 
     fn not_finite(&mut self, step: Step) -> Roots<S> {
@@ -229,9 +196,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         if self.free_steps == 0 {
             return None;
         }
-        self.free_rows
-            .get(self.free_steps.trailing_zeros() as usize)
-            .map(|row| usize::from(*row))
+        self.free_rows.get(self.free_steps.trailing_zeros() as usize).map(|row| usize::from(*row))
     }
 }
 

@@ -30,10 +30,7 @@ impl<const N: usize, S: Float> Solutions<N, S> {
         for solution in &self {
             let verdict = representative(solution, rules, seed).and_then(|q| {
                 let restricted = !(rules.bounds.is_empty() && rules.keep_out.is_empty());
-                match restricted
-                    .then(|| rules.broken_workspace(position_of(&q)))
-                    .flatten()
-                {
+                match restricted.then(|| rules.broken_workspace(position_of(&q))).flatten() {
                     Some(rule) => Err(Refusal::Rule(rule)),
                     None => Ok(q),
                 }
@@ -57,13 +54,7 @@ impl<const N: usize, S: Float> Solutions<N, S> {
 #[derive(Debug, Clone, Copy)]
 enum Refusal<S> {
     /// No winding is inside the joint limits; the joint that is furthest outside.
-    Outside {
-        joint: usize,
-        value: S,
-        min: S,
-        max: S,
-        excess: S,
-    },
+    Outside { joint: usize, value: S, min: S, max: S, excess: S },
     /// Inside the joint limits, but a rule forbids it.
     Rule(Rule<S>),
 }
@@ -72,9 +63,7 @@ impl<S: Float> Refusal<S> {
     /// The refusal of that solution which is nearer to being allowed.
     fn milder(self, new: Self) -> Self {
         match (self, new) {
-            (Self::Outside { excess: old, .. }, Self::Outside { excess, .. }) if excess < old => {
-                new
-            }
+            (Self::Outside { excess: old, .. }, Self::Outside { excess, .. }) if excess < old => new,
             (Self::Outside { .. }, Self::Rule(_)) => new,
             _ => self,
         }
@@ -82,18 +71,7 @@ impl<S: Float> Refusal<S> {
 
     fn into_error(self) -> IkError<S> {
         match self {
-            Self::Outside {
-                joint,
-                value,
-                min,
-                max,
-                ..
-            } => IkError::OutsideLimits {
-                joint,
-                value,
-                min,
-                max,
-            },
+            Self::Outside { joint, value, min, max, .. } => IkError::OutsideLimits { joint, value, min, max },
             Self::Rule(rule) => IkError::Forbidden { rule },
         }
     }
@@ -119,10 +97,7 @@ fn representative<const N: usize, S: Float>(
         let turns = turns_towards(winding, rules, &q, &reference);
         winding.apply(&mut q, turns);
     }
-    let carried = rules
-        .windings
-        .iter()
-        .any(|winding| !winding.carries.is_empty());
+    let carried = rules.windings.iter().any(|winding| !winding.carries.is_empty());
     let outside = furthest_outside(rules, &q);
     let sum = rules.broken_sum(&q);
     // Joint by joint is right unless joints depend on each other.
@@ -147,14 +122,8 @@ fn representative<const N: usize, S: Float>(
 
 /// How many turns bring the winding's joint inside its limits and nearest to the reference; where none does, nearest
 /// to the limits.
-fn turns_towards<S: Float>(
-    winding: &Winding<'_, S>,
-    rules: &Rules<'_, S>,
-    q: &[S],
-    reference: &[S],
-) -> S {
-    let (Some(value), Some(reference)) = (q.get(winding.joint), reference.get(winding.joint))
-    else {
+fn turns_towards<S: Float>(winding: &Winding<'_, S>, rules: &Rules<'_, S>, q: &[S], reference: &[S]) -> S {
+    let (Some(value), Some(reference)) = (q.get(winding.joint), reference.get(winding.joint)) else {
         return S::ZERO;
     };
     let wanted = ((*reference - *value) / winding.turn).round();
@@ -167,19 +136,10 @@ fn turns_towards<S: Float>(
     }
     // No turn is inside: `last` is below the limits, `first` above.
     let excess = |turns: S| {
-        let limits = rules
-            .joints
-            .get(winding.joint)
-            .and_then(|joint| joint.limits);
-        limits.map_or(S::ZERO, |limits| {
-            limits.excess(*value + turns * winding.turn)
-        })
+        let limits = rules.joints.get(winding.joint).and_then(|joint| joint.limits);
+        limits.map_or(S::ZERO, |limits| limits.excess(*value + turns * winding.turn))
     };
-    if excess(last) < excess(first) {
-        last
-    } else {
-        first
-    }
+    if excess(last) < excess(first) { last } else { first }
 }
 
 /// The joint that is furthest outside its limits.
@@ -191,13 +151,7 @@ fn furthest_outside<S: Float>(rules: &Rules<'_, S>, q: &[S]) -> Option<Refusal<S
         };
         let excess = limits.excess(*value);
         if worst.is_none_or(|(_, most)| excess > most) {
-            let refusal = Refusal::Outside {
-                joint,
-                value: *value,
-                min: limits.min,
-                max: limits.max,
-                excess,
-            };
+            let refusal = Refusal::Outside { joint, value: *value, min: limits.min, max: limits.max, excess };
             worst = Some((refusal, excess));
         }
     }

@@ -34,10 +34,7 @@ impl<S: Float> SolutionView<'_, S> {
 impl<S: Float> SolutionSet<S> {
     /// An empty set.
     pub const fn new() -> Self {
-        Self {
-            dof: 0,
-            solutions: Solutions::empty(),
-        }
+        Self { dof: 0, solutions: Solutions::empty() }
     }
 
     /// The solutions of a robot with `N` joints (at most [`MAX_JOINTS`]).
@@ -51,24 +48,13 @@ impl<S: Float> SolutionSet<S> {
     pub fn fill<const N: usize>(&mut self, dof: usize, solutions: &Solutions<N, S>) {
         self.dof = dof.min(N).min(MAX_JOINTS);
         self.solutions = Solutions::empty();
-        for Solution {
-            q: from,
-            position_error,
-            rotation_error,
-            free,
-        } in solutions
-        {
+        for Solution { q: from, position_error, rotation_error, free } in solutions {
             let mut q = [S::ZERO; MAX_JOINTS];
             for (to, from) in q.iter_mut().zip(from).take(self.dof) {
                 *to = *from;
             }
             let (position_error, rotation_error, free) = (*position_error, *rotation_error, *free);
-            self.solutions.append(Solution {
-                q,
-                position_error,
-                rotation_error,
-                free,
-            });
+            self.solutions.append(Solution { q, position_error, rotation_error, free });
         }
     }
 

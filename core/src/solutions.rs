@@ -48,17 +48,9 @@ const DUPLICATE: f64 = 16.0;
 
 impl<const N: usize, S: Float> Solutions<N, S> {
     pub(crate) const fn empty() -> Self {
-        let nothing = Solution {
-            q: [S::ZERO; N],
-            position_error: S::ZERO,
-            rotation_error: S::ZERO,
-            free: None,
-        };
-        Self {
-            items: [nothing; MAX_SOLUTIONS],
-            len: 0,
-            dropped: 0,
-        }
+        let nothing =
+            Solution { q: [S::ZERO; N], position_error: S::ZERO, rotation_error: S::ZERO, free: None };
+        Self { items: [nothing; MAX_SOLUTIONS], len: 0, dropped: 0 }
     }
 
     /// A set of one solution.
@@ -135,9 +127,7 @@ impl<const N: usize, S: Float> Solutions<N, S> {
 
 /// The square of the joint travel from `a` to `b`.
 pub(crate) fn travel<S: Float>(a: &[S], b: &[S]) -> S {
-    a.iter()
-        .zip(b)
-        .fold(S::ZERO, |sum, (a, b)| sum + (*a - *b) * (*a - *b))
+    a.iter().zip(b).fold(S::ZERO, |sum, (a, b)| sum + (*a - *b) * (*a - *b))
 }
 
 /// Whether two sets of joint values are the same but for whole turns.
@@ -147,9 +137,7 @@ fn same<const N: usize, S: Float>(a: &[S; N], b: &[S; N], windings: &[Winding<'_
         *x -= *y;
     }
     wrap_all(windings, &mut difference);
-    difference
-        .iter()
-        .all(|x| x.abs() <= S::from_f64(DUPLICATE) * S::SQRT_EPSILON)
+    difference.iter().all(|x| x.abs() <= S::from_f64(DUPLICATE) * S::SQRT_EPSILON)
 }
 
 impl<const N: usize, S: Float> Deref for Solutions<N, S> {

@@ -42,21 +42,12 @@ impl Measure {
 impl Step {
     /// A step.
     pub const fn new(index: u8, rows: u32, prismatic: bool, measure: Measure) -> Self {
-        Self {
-            index,
-            rows,
-            prismatic,
-            measure,
-        }
+        Self { index, rows, prismatic, measure }
     }
 
     /// The first row (0-based) whose theta or d is part of the unknown.
     pub const fn first_row(&self) -> usize {
-        if self.rows == 0 {
-            0
-        } else {
-            self.rows.trailing_zeros() as usize
-        }
+        if self.rows == 0 { 0 } else { self.rows.trailing_zeros() as usize }
     }
 
     /// Whether the excess of [`IkError::Unreachable`](crate::IkError::Unreachable) is in metres rather than a ratio.

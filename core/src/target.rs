@@ -50,10 +50,7 @@ impl fmt::Display for TargetKind {
 
 /// A target of an inverse problem, in the base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[allow(
-    clippy::large_enum_variant,
-    reason = "no heap to box the pose in, and it is the usual target"
-)]
+#[allow(clippy::large_enum_variant, reason = "no heap to box the pose in, and it is the usual target")]
 pub enum Target<S = f64> {
     /// Pose of the tool frame.
     Pose(Frame<S>),
@@ -139,28 +136,12 @@ impl<S: Float> Target<S> {
             return Err(IkError::NotFinite);
         }
         Ok(match *self {
-            Self::Pose(frame) => Self::Pose(Frame {
-                rotation: rigid(&frame)?,
-                ..frame
-            }),
-            Self::Rotation(rotation) => Self::Rotation(rigid(&Frame {
-                rotation,
-                ..Frame::IDENTITY
-            })?),
-            Self::PositionDirection {
-                position,
-                direction,
-            } => Self::PositionDirection {
-                position,
-                direction: unit(direction)?,
-            },
-            Self::Ray {
-                position,
-                direction,
-            } => Self::Ray {
-                position,
-                direction: unit(direction)?,
-            },
+            Self::Pose(frame) => Self::Pose(Frame { rotation: rigid(&frame)?, ..frame }),
+            Self::Rotation(rotation) => Self::Rotation(rigid(&Frame { rotation, ..Frame::IDENTITY })?),
+            Self::PositionDirection { position, direction } => {
+                Self::PositionDirection { position, direction: unit(direction)? }
+            }
+            Self::Ray { position, direction } => Self::Ray { position, direction: unit(direction)? },
             Self::Direction(direction) => Self::Direction(unit(direction)?),
             other => other,
         })
@@ -174,30 +155,19 @@ impl<S: Float> Target<S> {
     pub fn errors(&self, tool: &Frame<S>) -> (S, S) {
         let point = tool.translation;
         match self {
-            Self::Pose(frame) => (
-                norm(sub(point, frame.translation)),
-                rotation_error(&frame.rotation, &tool.rotation),
-            ),
-            Self::Position(position) => (norm(sub(point, *position)), S::ZERO),
-            Self::PositionDirection {
-                position,
-                direction,
-            } => (
-                norm(sub(point, *position)),
-                angle_between(*direction, tool.z_axis()),
-            ),
-            Self::PositionYaw { position, yaw } => {
-                (norm(sub(point, *position)), yaw_error(*yaw, tool))
+            Self::Pose(frame) => {
+                (norm(sub(point, frame.translation)), rotation_error(&frame.rotation, &tool.rotation))
             }
+            Self::Position(position) => (norm(sub(point, *position)), S::ZERO),
+            Self::PositionDirection { position, direction } => {
+                (norm(sub(point, *position)), angle_between(*direction, tool.z_axis()))
+            }
+            Self::PositionYaw { position, yaw } => (norm(sub(point, *position)), yaw_error(*yaw, tool)),
             Self::Rotation(rotation) => (S::ZERO, rotation_error(rotation, &tool.rotation)),
             Self::Direction(direction) => (S::ZERO, angle_between(*direction, tool.z_axis())),
-            Self::Ray {
-                position,
-                direction,
-            } => (
-                norm(cross(*direction, sub(point, *position))),
-                angle_between(*direction, tool.z_axis()),
-            ),
+            Self::Ray { position, direction } => {
+                (norm(cross(*direction, sub(point, *position))), angle_between(*direction, tool.z_axis()))
+            }
             Self::Lookat(position) => (norm(cross(tool.z_axis(), sub(*position, point))), S::ZERO),
             Self::Xy(position) => (distance_xy(*position, point), S::ZERO),
             Self::XyYaw { position, yaw } => (distance_xy(*position, point), yaw_error(*yaw, tool)),
@@ -210,18 +180,11 @@ impl<S: Float> Target<S> {
         match self {
             Self::Pose(frame) => Numbers::of(frame.rows()),
             Self::Position(position) | Self::Lookat(position) => Numbers::of(*position),
-            Self::PositionDirection {
-                position: [px, py, pz],
-                direction: [zx, zy, zz],
+            Self::PositionDirection { position: [px, py, pz], direction: [zx, zy, zz] }
+            | Self::Ray { position: [px, py, pz], direction: [zx, zy, zz] } => {
+                Numbers::of([*px, *py, *pz, *zx, *zy, *zz])
             }
-            | Self::Ray {
-                position: [px, py, pz],
-                direction: [zx, zy, zz],
-            } => Numbers::of([*px, *py, *pz, *zx, *zy, *zz]),
-            Self::PositionYaw {
-                position: [px, py, pz],
-                yaw,
-            } => {
+            Self::PositionYaw { position: [px, py, pz], yaw } => {
                 let (sin, cos) = yaw.sin_cos();
                 Numbers::of([*px, *py, *pz, cos, sin])
             }
@@ -230,10 +193,7 @@ impl<S: Float> Target<S> {
             }
             Self::Direction(direction) => Numbers::of(*direction),
             Self::Xy(position) => Numbers::of(*position),
-            Self::XyYaw {
-                position: [px, py],
-                yaw,
-            } => {
+            Self::XyYaw { position: [px, py], yaw } => {
                 let (sin, cos) = yaw.sin_cos();
                 Numbers::of([*px, *py, cos, sin])
             }
@@ -250,10 +210,7 @@ pub struct Numbers<S = f64> {
 
 impl<S: Float> Numbers<S> {
     fn of<const N: usize>(values: [S; N]) -> Self {
-        let mut numbers = Self {
-            values: [S::ZERO; 12],
-            len: N,
-        };
+        let mut numbers = Self { values: [S::ZERO; 12], len: N };
         for (to, from) in numbers.values.iter_mut().zip(values) {
             *to = from;
         }
@@ -278,11 +235,7 @@ fn rigid<S: Float>(frame: &Frame<S>) -> Result<[[S; 3]; 3], IkError<S>> {
         // Newton's iteration for the polar factor, R (3 - RᵀR) / 2; the error is squared each time: 1e-6, 1e-12, 1e-24.
         return Ok(polar_step(&polar_step(&frame.rotation)));
     }
-    Err(if error.is_finite() {
-        IkError::NotRigid { error }
-    } else {
-        IkError::NotFinite
-    })
+    Err(if error.is_finite() { IkError::NotRigid { error } } else { IkError::NotFinite })
 }
 
 fn polar_step<S: Float>(r: &[[S; 3]; 3]) -> [[S; 3]; 3] {
@@ -290,14 +243,7 @@ fn polar_step<S: Float>(r: &[[S; 3]; 3]) -> [[S; 3]; 3] {
     let [[a, b, c], [d, e, f], [g, h, i]] =
         matrix_product(&transpose(r), r).map(|row| row.map(|x| -(x * half)));
     let three_halves = S::ONE + half;
-    matrix_product(
-        r,
-        &[
-            [a + three_halves, b, c],
-            [d, e + three_halves, f],
-            [g, h, i + three_halves],
-        ],
-    )
+    matrix_product(r, &[[a + three_halves, b, c], [d, e + three_halves, f], [g, h, i + three_halves]])
 }
 
 fn unit<S: Float>(direction: [S; 3]) -> Result<[S; 3], IkError<S>> {
@@ -309,11 +255,7 @@ fn unit<S: Float>(direction: [S; 3]) -> Result<[S; 3], IkError<S>> {
     // Scaled first, so that squares neither overflow nor vanish.
     let scaled = direction.map(|x| x / greatest);
     let length = norm(scaled);
-    if length.is_finite() {
-        Ok(scaled.map(|x| x / length))
-    } else {
-        Err(IkError::NotFinite)
-    }
+    if length.is_finite() { Ok(scaled.map(|x| x / length)) } else { Err(IkError::NotFinite) }
 }
 
 /// The angle between unit vectors, as accurate near 0 and near pi as between \[Kahan 2006\].

@@ -29,26 +29,13 @@ pub(crate) enum Unlimited {
 impl<'a, const N: usize, S: Float> Windings<'a, N, S> {
     pub(crate) fn new(base: [S; N], rules: Rules<'a, S>, unlimited: Unlimited) -> Self {
         let done = !base.iter().all(|value| value.is_finite());
-        Self {
-            base,
-            rules,
-            unlimited,
-            turns: [(0, 0); N],
-            chosen: 0,
-            done,
-        }
+        Self { base, rules, unlimited, turns: [(0, 0); N], chosen: 0, done }
     }
 
     /// The joint values with the turns that have been chosen.
     fn q(&self) -> [S; N] {
         let mut q = self.base;
-        for (winding, (turns, _)) in self
-            .rules
-            .windings
-            .iter()
-            .zip(&self.turns)
-            .take(self.chosen)
-        {
+        for (winding, (turns, _)) in self.rules.windings.iter().zip(&self.turns).take(self.chosen) {
             winding.apply(&mut q, S::from_f64(f64::from(*turns)));
         }
         q

@@ -1,10 +1,5 @@
 //! The numeric kernels: roots recovered, edges, vanishing coefficients, input that is no number.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    reason = "a test fails by panicking"
-)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod random;
 
@@ -44,31 +39,21 @@ fn roots_of<S: Float>(root: S) -> Roots<S> {
 
 /// The distance on the circle of the nearest root.
 fn miss<S: Float>(roots: Roots<S>, wanted: S) -> S {
-    roots
-        .into_iter()
-        .map(|root| (root - wanted).wrap_angle().abs())
-        .fold(S::INFINITY, Float::min)
+    roots.into_iter().map(|root| (root - wanted).wrap_angle().abs()).fold(S::INFINITY, Float::min)
 }
 
 fn trig_recovers<S: Float>() {
     let mut random = Random(1);
     for _ in 0..2000 {
-        let (a, b, x): (S, S, S) = (
-            random.between(-0.5, 0.5),
-            random.between(-0.5, 0.5),
-            random.between(-3.1, 3.1),
-        );
+        let (a, b, x): (S, S, S) =
+            (random.between(-0.5, 0.5), random.between(-0.5, 0.5), random.between(-3.1, 3.1));
         let (sin, cos) = x.sin_cos();
         let h = a.hypot(b);
         let roots = search().trig(LENGTH, a, b, a * cos + b * sin);
         // How fast the left-hand side changes at x says how well x is determined.
         let slope = (b * cos - a * sin).abs() / h;
         let bound = S::from_f64(16.0) * S::EPSILON / slope.max(S::SQRT_EPSILON) / h;
-        assert!(
-            miss(roots, x) <= bound,
-            "a {a} b {b} x {x}: {roots:?} off by {} of {bound}",
-            miss(roots, x)
-        );
+        assert!(miss(roots, x) <= bound, "a {a} b {b} x {x}: {roots:?} off by {} of {bound}", miss(roots, x));
         for root in roots {
             let (sin, cos) = root.sin_cos();
             let (sin_x, cos_x) = x.sin_cos();
@@ -94,12 +79,7 @@ fn trig_at_the_edge<S: Float>() {
         assert_eq!(miss(roots, wanted), S::ZERO);
     }
     // Just beyond the edge, by what rounding may add, the nearest angle still comes out.
-    assert_eq!(
-        search()
-            .trig(LENGTH, a, b, h + S::from_f64(2.0) * S::EPSILON)
-            .len(),
-        1
-    );
+    assert_eq!(search().trig(LENGTH, a, b, h + S::from_f64(2.0) * S::EPSILON).len(), 1);
     // Well inside there are two, as far apart as theory has it: cos(delta) = 1 - e, delta = sqrt(2 e).
     let e = S::from_f64(1e5) * S::EPSILON;
     let roots = search().trig(RATIO, S::ONE, S::ZERO, S::ONE - e);
@@ -125,9 +105,7 @@ fn trig_beyond<S: Float>() {
     let (a, b, c) = (S::from_f64(0.3), S::from_f64(0.4), S::from_f64(-0.6));
     let tolerance = S::from_f64(8.0) * S::EPSILON;
     for (step, wanted) in [(LENGTH, 0.1), (RATIO, 0.2), (AREA, 0.2)] {
-        let IkError::Unreachable { step: at, excess } = refusal(|s| s.trig(step, a, b, c)) else {
-            panic!()
-        };
+        let IkError::Unreachable { step: at, excess } = refusal(|s| s.trig(step, a, b, c)) else { panic!() };
         assert_eq!(at, step);
         assert!((excess - S::from_f64(wanted)).abs() < tolerance, "{excess}");
     }
@@ -143,27 +121,15 @@ fn vanishing<S: Float>() {
     let (zero, noise) = (S::ZERO, S::from_f64(4.0) * S::EPSILON);
     let gap = S::from_f64(0.25);
     assert_eq!(is_free(|s| s.trig(RATIO, noise, -noise, noise)), Some(1));
-    assert_eq!(
-        is_free(|s| s.trig_pair(RATIO, [noise, zero, noise], [zero, noise, zero])),
-        Some(1)
-    );
+    assert_eq!(is_free(|s| s.trig_pair(RATIO, [noise, zero, noise], [zero, noise, zero])), Some(1));
     assert_eq!(is_free(|s| s.linear(SLIDE, noise, noise)), Some(2));
     assert_eq!(is_free(|s| s.quadratic(SLIDE, noise, zero, noise)), Some(2));
     let singular = IkError::Singular { joint: 1, gap };
     assert_eq!(refusal(|s| s.trig(RATIO, noise, zero, gap)), singular);
-    assert_eq!(
-        refusal(|s| s.trig_pair(RATIO, [noise, zero, gap], [zero, noise, zero])),
-        singular
-    );
-    assert_eq!(
-        refusal(|s| s.trig_pair(RATIO, [S::ONE, zero, gap], [zero, zero, gap])),
-        singular
-    );
+    assert_eq!(refusal(|s| s.trig_pair(RATIO, [noise, zero, gap], [zero, noise, zero])), singular);
+    assert_eq!(refusal(|s| s.trig_pair(RATIO, [S::ONE, zero, gap], [zero, zero, gap])), singular);
     assert_eq!(refusal(|s| s.linear(LENGTH, noise, -gap)), singular);
-    assert_eq!(
-        refusal(|s| s.quadratic(SLIDE, zero, noise, gap)),
-        IkError::Singular { joint: 2, gap }
-    );
+    assert_eq!(refusal(|s| s.quadratic(SLIDE, zero, noise, gap)), IkError::Singular { joint: 2, gap });
 }
 
 #[test]
@@ -176,20 +142,11 @@ fn vanishing_coefficients_leave_the_joint_free_or_are_singular() {
 fn a_wrist_that_is_straight_to_rounding_leaves_its_joint_free() {
     // What the sine of the wrist angle is where its cosine is 1 - epsilon: half the digits of 0.
     let sine = 1.5e-8;
-    assert_eq!(
-        is_free::<f64>(|s| s.trig_pair(RATIO, [sine, 0.0, 1e-17], [0.0, sine, -2e-17])),
-        Some(1)
-    );
+    assert_eq!(is_free::<f64>(|s| s.trig_pair(RATIO, [sine, 0.0, 1e-17], [0.0, sine, -2e-17])), Some(1));
     // A sine that is really that small comes with right-hand sides of its size, and they know the angle.
-    let roots = search::<f64>().trig_pair(
-        RATIO,
-        [sine, 0.0, 1e-9 * 0.5],
-        [0.0, sine, 1e-9 * 0.75_f64.sqrt()],
-    );
-    assert!(
-        miss(roots, core::f64::consts::FRAC_PI_3) < 1e-12,
-        "{roots:?}"
-    );
+    let roots =
+        search::<f64>().trig_pair(RATIO, [sine, 0.0, 1e-9 * 0.5], [0.0, sine, 1e-9 * 0.75_f64.sqrt()]);
+    assert!(miss(roots, core::f64::consts::FRAC_PI_3) < 1e-12, "{roots:?}");
 }
 
 fn pair_recovers<S: Float>(ratio: f64) {
@@ -209,10 +166,7 @@ fn pair_recovers<S: Float>(ratio: f64) {
         let (sin, cos) = x.sin_cos();
         let slope = (b1 * cos - a1 * sin).hypot(b2 * cos - a2 * sin);
         let bound = S::from_f64(16.0) * S::EPSILON / slope.max(S::SQRT_EPSILON);
-        assert!(
-            miss(roots, x) <= bound,
-            "{first:?} {second:?} x {x}: {roots:?}"
-        );
+        assert!(miss(roots, x) <= bound, "{first:?} {second:?} x {x}: {roots:?}");
     }
 }
 
@@ -238,10 +192,7 @@ fn pairs_of_one_direction_have_the_roots_of_one_row() {
     let (a, b, c) = (0.3, 0.4, 0.1);
     let one = search::<f64>().trig(LENGTH, a, b, c);
     assert_eq!(search::<f64>().trig_pair(LENGTH, [a, b, c], [0.0; 3]), one);
-    assert_eq!(
-        search::<f64>().trig_pair(LENGTH, [0.5 * a, 0.5 * b, 0.5 * c], [a, b, c]),
-        one
-    );
+    assert_eq!(search::<f64>().trig_pair(LENGTH, [0.5 * a, 0.5 * b, 0.5 * c], [a, b, c]), one);
 }
 
 #[test]
@@ -264,8 +215,7 @@ fn pairs_off_the_circle_are_unreachable() {
     };
     assert!((excess - 0.5).abs() < 1e-15);
     let (first, second) = rows(0.1);
-    let IkError::Unreachable { excess, .. } = refusal(|s| s.trig_pair(LENGTH, first, second))
-    else {
+    let IkError::Unreachable { excess, .. } = refusal(|s| s.trig_pair(LENGTH, first, second)) else {
         panic!()
     };
     assert!((excess - 0.05).abs() < 1e-15);
@@ -274,27 +224,14 @@ fn pairs_off_the_circle_are_unreachable() {
 fn quadratic_recovers<S: Float>() {
     let mut random = Random(3);
     for _ in 0..2000 {
-        let (x1, x2, a): (S, S, S) = (
-            random.between(-0.7, 0.7),
-            random.between(-0.7, 0.7),
-            random.between(0.2, 2.0),
-        );
-        let a = if random.between::<S>(-1.0, 1.0) < S::ZERO {
-            -a
-        } else {
-            a
-        };
+        let (x1, x2, a): (S, S, S) =
+            (random.between(-0.7, 0.7), random.between(-0.7, 0.7), random.between(0.2, 2.0));
+        let a = if random.between::<S>(-1.0, 1.0) < S::ZERO { -a } else { a };
         let roots = search().quadratic(SLIDE, a, -(a * (x1 + x2)), a * (x1 * x2));
         let apart = (x1 - x2).abs().max(S::SQRT_EPSILON);
         for wanted in [x1, x2] {
-            let off = roots
-                .into_iter()
-                .map(|root| (root - wanted).abs())
-                .fold(S::INFINITY, Float::min);
-            assert!(
-                off <= S::from_f64(16.0) * S::EPSILON / apart,
-                "{x1} {x2}: {roots:?}"
-            );
+            let off = roots.into_iter().map(|root| (root - wanted).abs()).fold(S::INFINITY, Float::min);
+            assert!(off <= S::from_f64(16.0) * S::EPSILON / apart, "{x1} {x2}: {roots:?}");
         }
     }
 }
@@ -317,39 +254,21 @@ fn quadratic_edges<S: Float>() {
     let number = S::from_f64;
     let close = |roots: Roots<S>, wanted: S| {
         assert_eq!(roots.len(), 1, "{roots:?}");
-        assert!(
-            roots
-                .into_iter()
-                .all(|x| (x - wanted).abs() <= number(8.0) * S::EPSILON),
-            "{roots:?}"
-        );
+        assert!(roots.into_iter().all(|x| (x - wanted).abs() <= number(8.0) * S::EPSILON), "{roots:?}");
     };
-    close(
-        search().quadratic(SLIDE, S::ONE, number(-1.0), number(0.25)),
-        number(0.5),
-    );
+    close(search().quadratic(SLIDE, S::ONE, number(-1.0), number(0.25)), number(0.5));
     close(search().quadratic(SLIDE, S::ONE, S::ZERO, S::ZERO), S::ZERO);
     // Without a square, or with what rounding leaves of one, it is linear.
-    close(
-        search().quadratic(SLIDE, S::ZERO, S::TWO, number(-0.5)),
-        number(0.25),
-    );
-    close(
-        search().quadratic(SLIDE, S::EPSILON, S::TWO, number(-0.5)),
-        number(0.25),
-    );
+    close(search().quadratic(SLIDE, S::ZERO, S::TWO, number(-0.5)), number(0.25));
+    close(search().quadratic(SLIDE, S::EPSILON, S::TWO, number(-0.5)), number(0.25));
     // A small square beside it moves the root a little and adds one far away.
     let roots = search().quadratic(SLIDE, number(1e-3), S::TWO, number(-0.5));
     assert!(
-        roots
-            .into_iter()
-            .any(|x| (x - number(0.249_968_757_810_059_45)).abs() < number(8.0) * S::EPSILON)
+        roots.into_iter().any(|x| (x - number(0.249_968_757_810_059_45)).abs() < number(8.0) * S::EPSILON)
     );
     // x^2 + 0.09 = 0: out of reach by 0.3 m.
     let error = refusal(|s| s.quadratic(SLIDE, S::ONE, S::ZERO, number(0.09)));
-    let IkError::Unreachable { excess, .. } = error else {
-        panic!("{error}")
-    };
+    let IkError::Unreachable { excess, .. } = error else { panic!("{error}") };
     assert!((excess - number(0.3)).abs() < number(4.0) * S::EPSILON);
 }
 
@@ -374,14 +293,8 @@ fn what_is_no_number_is_refused() {
             let [a, b, c] = good;
             let row = [0.4, -0.3, 0.1];
             assert_eq!(refusal(|s| s.trig(LENGTH, a, b, c)), IkError::NotFinite);
-            assert_eq!(
-                refusal(|s| s.trig_pair(LENGTH, good, row)),
-                IkError::NotFinite
-            );
-            assert_eq!(
-                refusal(|s| s.trig_pair(LENGTH, row, good)),
-                IkError::NotFinite
-            );
+            assert_eq!(refusal(|s| s.trig_pair(LENGTH, good, row)), IkError::NotFinite);
+            assert_eq!(refusal(|s| s.trig_pair(LENGTH, row, good)), IkError::NotFinite);
             assert_eq!(refusal(|s| s.quadratic(SLIDE, a, b, c)), IkError::NotFinite);
         }
         assert_eq!(refusal(|s| s.linear(SLIDE, bad, 1.0)), IkError::NotFinite);

@@ -1,10 +1,5 @@
 //! A whole arm behind the trait, by itself and mounted on frames known only at run time.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    reason = "a test fails by panicking"
-)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod planar;
 mod random;
@@ -12,18 +7,14 @@ mod random;
 use core::f64::consts::PI;
 
 use dh_core::{
-    Axis, Bound, FULL_POSE, Frame, IkError, Kinematics, LengthError, Mounted, MountingFrame, Rule,
-    Rules, Side, SolutionSet, Target, TargetKind, Violation,
+    Axis, Bound, FULL_POSE, Frame, IkError, Kinematics, LengthError, Mounted, MountingFrame, Rule, Rules,
+    Side, SolutionSet, Target, TargetKind, Violation,
 };
 use planar::Planar;
 use random::Random;
 
 fn random_q(random: &mut Random) -> [f64; 3] {
-    [
-        random.between(-3.1, 3.1),
-        random.between(-2.4, 2.4),
-        random.between(-3.1, 3.1),
-    ]
+    [random.between(-3.1, 3.1), random.between(-2.4, 2.4), random.between(-3.1, 3.1)]
 }
 
 fn base() -> Frame {
@@ -42,15 +33,9 @@ fn recovered(arm: &dyn Kinematics, q: &[f64; 3]) {
     for solution in out.iter() {
         assert!(solution.residual() < 1e-9, "{}", solution.residual());
     }
-    arm.ik_within(FULL_POSE, &target, Some(q), &mut out)
-        .unwrap();
+    arm.ik_within(FULL_POSE, &target, Some(q), &mut out).unwrap();
     let nearest = out.get(0).unwrap();
-    let off = nearest
-        .q
-        .iter()
-        .zip(q)
-        .map(|(a, b)| (a - b).abs())
-        .fold(0.0, f64::max);
+    let off = nearest.q.iter().zip(q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(off < 1e-9, "{q:?} came back as {:?}", nearest.q);
     assert_eq!(out.nearest(q).unwrap(), nearest);
 }
@@ -65,15 +50,7 @@ fn random_poses_come_back_plain_and_mounted() {
         recovered(&arm, &q);
         recovered(&mounted, &q);
     }
-    assert_eq!(
-        (
-            mounted.name(),
-            mounted.dof(),
-            mounted.rows(),
-            mounted.fingerprint()
-        ),
-        ("planar", 3, 3, 3)
-    );
+    assert_eq!((mounted.name(), mounted.dof(), mounted.rows(), mounted.fingerprint()), ("planar", 3, 3, 3));
     assert_eq!(mounted.problems(), arm.problems());
 }
 
@@ -81,27 +58,18 @@ fn random_poses_come_back_plain_and_mounted() {
 fn stretched_out_there_is_one_solution_and_beyond_there_is_none() {
     let arm = Planar::new();
     let mut out = SolutionSet::new();
-    let target = Target::XyYaw {
-        position: [1.0, 0.0],
-        yaw: 0.0,
-    };
+    let target = Target::XyYaw { position: [1.0, 0.0], yaw: 0.0 };
     arm.ik_into("plane", &target, &mut out).unwrap();
     assert_eq!(out.len(), 1);
     assert!(out.get(0).unwrap().residual() < 1e-9);
-    let target = Target::XyYaw {
-        position: [1.2, 0.0],
-        yaw: 0.0,
-    };
+    let target = Target::XyYaw { position: [1.2, 0.0], yaw: 0.0 };
     let Err(IkError::Unreachable { step, excess }) = arm.ik_into("plane", &target, &mut out) else {
         panic!()
     };
     // (1.1^2 - 0.5^2 - 0.4^2) / (2 * 0.5 * 0.4) = 2: twice what a cosine can be.
     assert!(step.index == 0 && (excess - 1.0).abs() < 1e-12, "{excess}");
     assert!(out.is_empty());
-    assert_eq!(
-        arm.ik_into("tool_down", &target, &mut out),
-        Err(IkError::UnknownProblem)
-    );
+    assert_eq!(arm.ik_into("tool_down", &target, &mut out), Err(IkError::UnknownProblem));
     let expected = TargetKind::Pose;
     assert_eq!(
         arm.ik_into(FULL_POSE, &Target::Xy([0.1; 2]), &mut out),
@@ -109,8 +77,7 @@ fn stretched_out_there_is_one_solution_and_beyond_there_is_none() {
     );
     // Out of the plane every candidate misses.
     let aside = Target::Pose(Frame::from_translation([0.5, 0.0, 0.25]));
-    let Err(IkError::Failed { position_error, .. }) = arm.ik_into(FULL_POSE, &aside, &mut out)
-    else {
+    let Err(IkError::Failed { position_error, .. }) = arm.ik_into(FULL_POSE, &aside, &mut out) else {
         panic!()
     };
     assert!((position_error - 0.25).abs() < 1e-12);
@@ -121,47 +88,19 @@ fn mounted_frames_multiply_from_both_sides() {
     let arm = Planar::new();
     let mounted = Mounted::new(&arm).with_tool(tool()).with_base(base());
     let q = [0.3, -0.8, 1.1];
-    assert_eq!(
-        mounted.fk(&q).unwrap(),
-        base() * arm.fk(&q).unwrap() * tool()
-    );
-    assert_eq!(
-        mounted.fk_flange(&q).unwrap(),
-        base() * arm.fk_flange(&q).unwrap()
-    );
+    assert_eq!(mounted.fk(&q).unwrap(), base() * arm.fk(&q).unwrap() * tool());
+    assert_eq!(mounted.fk_flange(&q).unwrap(), base() * arm.fk_flange(&q).unwrap());
     let (mut plain, mut moved) = ([Frame::IDENTITY; 4], [Frame::IDENTITY; 4]);
-    assert_eq!(
-        (
-            arm.frames_into(&q, &mut plain),
-            mounted.frames_into(&q, &mut moved)
-        ),
-        (Ok(4), Ok(4))
-    );
-    assert!(
-        plain
-            .iter()
-            .zip(moved)
-            .all(|(plain, moved)| moved == base() * *plain)
-    );
-    let short = Err(LengthError {
-        expected: 4,
-        got: 2,
-    });
+    assert_eq!((arm.frames_into(&q, &mut plain), mounted.frames_into(&q, &mut moved)), (Ok(4), Ok(4)));
+    assert!(plain.iter().zip(moved).all(|(plain, moved)| moved == base() * *plain));
+    let short = Err(LengthError { expected: 4, got: 2 });
     assert_eq!(mounted.frames_into(&q, &mut moved[..2]), short);
-    assert_eq!(
-        mounted.fk(&q[..2]),
-        Err(LengthError {
-            expected: 3,
-            got: 2
-        })
-    );
+    assert_eq!(mounted.fk(&q[..2]), Err(LengthError { expected: 3, got: 2 }));
 }
 
 #[test]
 fn the_mounted_jacobian_is_the_derivative_of_the_mounted_pose() {
-    let mounted = Mounted::new(Planar::new())
-        .with_tool(tool())
-        .with_base(base());
+    let mounted = Mounted::new(Planar::new()).with_tool(tool()).with_base(base());
     let q = [0.3, -0.8, 1.1];
     let mut columns = [[0.0; 6]; 3];
     mounted.jacobian_into(&q, &mut columns).unwrap();
@@ -175,10 +114,7 @@ fn the_mounted_jacobian_is_the_derivative_of_the_mounted_pose() {
         let (before, after) = (at(-step), at(step));
         for (row, velocity) in column.iter().take(3).enumerate() {
             let difference = (after.translation[row] - before.translation[row]) / (2.0 * step);
-            assert!(
-                (difference - velocity).abs() < 1e-9,
-                "joint {joint} row {row}"
-            );
+            assert!((difference - velocity).abs() < 1e-9, "joint {joint} row {row}");
         }
         // d/dq of the tool's axes is omega x axis.
         let [.., wx, wy, wz] = *column;
@@ -194,36 +130,18 @@ fn the_mounted_jacobian_is_the_derivative_of_the_mounted_pose() {
 #[test]
 fn targets_that_say_too_little_are_refused_under_a_tool() {
     let mut out = SolutionSet::new();
-    let target = Target::XyYaw {
-        position: [0.5, 0.1],
-        yaw: 0.4,
-    };
+    let target = Target::XyYaw { position: [0.5, 0.1], yaw: 0.4 };
     let kind = TargetKind::XyYaw;
     let with_tool = Mounted::new(Planar::new()).with_tool(tool());
-    let refused = |frame| {
-        Err(IkError::Mounting {
-            frame,
-            target: kind,
-        })
-    };
-    assert_eq!(
-        with_tool.ik_into("plane", &target, &mut out),
-        refused(MountingFrame::Tool)
-    );
+    let refused = |frame| Err(IkError::Mounting { frame, target: kind });
+    assert_eq!(with_tool.ik_into("plane", &target, &mut out), refused(MountingFrame::Tool));
     let tilted = Mounted::new(Planar::new()).with_base(base());
-    assert_eq!(
-        tilted.ik_into("plane", &target, &mut out),
-        refused(MountingFrame::Base)
-    );
+    assert_eq!(tilted.ik_into("plane", &target, &mut out), refused(MountingFrame::Base));
     let upside_down = Frame::from_rpy([0.0; 3], [PI, 0.0, 0.0]);
     let hanging = Mounted::new(Planar::new()).with_base(upside_down);
-    assert_eq!(
-        hanging.ik_into("plane", &target, &mut out),
-        refused(MountingFrame::Base)
-    );
+    assert_eq!(hanging.ik_into("plane", &target, &mut out), refused(MountingFrame::Base));
     // About z alone it is exact.
-    let turned =
-        Mounted::new(Planar::new()).with_base(Frame::from_rpy([0.1, -0.1, 0.5], [0.0, 0.0, 2.0]));
+    let turned = Mounted::new(Planar::new()).with_base(Frame::from_rpy([0.1, -0.1, 0.5], [0.0, 0.0, 2.0]));
     turned.ik_into("plane", &target, &mut out).unwrap();
     assert_eq!(out.len(), 2);
     for solution in out.iter() {
@@ -235,45 +153,20 @@ fn targets_that_say_too_little_are_refused_under_a_tool() {
 
 #[test]
 fn rules_are_checked_for_the_mounted_tool_point() {
-    let bounds = const {
-        &[Bound {
-            axis: Axis::X,
-            side: Side::Max,
-            value: 1.05,
-        }]
-    };
+    let bounds = const { &[Bound { axis: Axis::X, side: Side::Max, value: 1.05 }] };
     let plain = Planar::new();
-    let arm = Planar {
-        rules: Rules {
-            bounds,
-            ..plain.rules
-        },
-    };
+    let arm = Planar { rules: Rules { bounds, ..plain.rules } };
     assert_eq!(arm.check(&[0.0; 3]), Ok(()));
     // The base moves the rules along; the tool does not.
     let moved = Mounted::new(&arm).with_base(base());
     assert_eq!(moved.check(&[0.0; 3]), Ok(()));
     let longer = moved.with_tool(Frame::from_translation([0.1, 0.0, 0.0]));
     let violations = longer.check(&[0.0; 3]).unwrap_err();
-    let rule = Rule::Bound {
-        bound: bounds[0],
-        value: 1.1,
-    };
-    assert_eq!(
-        violations.iter().collect::<Vec<_>>(),
-        [Violation::Forbidden(rule)]
-    );
+    let rule = Rule::Bound { bound: bounds[0], value: 1.1 };
+    assert_eq!(violations.iter().collect::<Vec<_>>(), [Violation::Forbidden(rule)]);
     let target = Target::Pose(longer.fk(&[0.0; 3]).unwrap());
     let refused = longer.ik_within(FULL_POSE, &target, None, &mut SolutionSet::new());
-    assert!(
-        matches!(
-            refused,
-            Err(IkError::Forbidden {
-                rule: Rule::Bound { .. }
-            })
-        ),
-        "{refused:?}"
-    );
+    assert!(matches!(refused, Err(IkError::Forbidden { rule: Rule::Bound { .. } })), "{refused:?}");
     let length = longer.check(&[0.0; 2]).unwrap_err();
     assert!(matches!(length.iter().next(), Some(Violation::Length(_))));
 }

@@ -1,27 +1,12 @@
 //! A search as a whole: which failure decides, what becomes of candidates, what is free.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    reason = "a test fails by panicking"
-)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 use core::f64::consts::{PI, TAU};
 
 use dh_core::{IkError, Measure, Rule, Search, Solution, Solutions, Step, Winding};
 
-const TURN: [Winding<'static>; 2] = [
-    Winding {
-        joint: 0,
-        turn: TAU,
-        carries: &[],
-    },
-    Winding {
-        joint: 1,
-        turn: TAU,
-        carries: &[],
-    },
-];
+const TURN: [Winding<'static>; 2] =
+    [Winding { joint: 0, turn: TAU, carries: &[] }, Winding { joint: 1, turn: TAU, carries: &[] }];
 
 const fn step(index: u8) -> Step {
     Step::new(index, 1 << index, false, Measure::Length)
@@ -36,9 +21,7 @@ fn the_deepest_failure_decides_then_the_smallest() {
     assert!(search.trig(step(1), 0.1, 0.0, 0.7).is_empty());
     assert!(search.trig(step(0), 0.1, 0.0, 0.11).is_empty());
     search.accept([0.0; 2], 1.0, 0.0);
-    let Err(IkError::Unreachable { step: at, excess }) = search.finish() else {
-        panic!()
-    };
+    let Err(IkError::Unreachable { step: at, excess }) = search.finish() else { panic!() };
     assert_eq!(at, step(1));
     assert!((excess - 0.3).abs() < 1e-15);
 }
@@ -48,13 +31,7 @@ fn false_roots_are_dropped_and_told_of_if_nothing_else_failed() {
     let mut search = Search::<2>::new(1.0, &TURN);
     search.accept([0.1, 0.2], 0.5, 0.0);
     search.accept([0.3, 0.4], 0.1, 0.2);
-    assert_eq!(
-        search.finish(),
-        Err(IkError::Failed {
-            position_error: 0.1,
-            rotation_error: 0.2
-        })
-    );
+    assert_eq!(search.finish(), Err(IkError::Failed { position_error: 0.1, rotation_error: 0.2 }));
 
     let mut search = Search::<2>::new(0.5, &TURN);
     search.accept([0.1, 0.2], 1e-9, 0.0);
@@ -68,32 +45,17 @@ fn false_roots_are_dropped_and_told_of_if_nothing_else_failed() {
 fn a_refused_candidate_came_furthest() {
     let mut search = Search::<2>::new(1.0, &TURN);
     assert!(search.trig(step(1), 0.1, 0.0, 0.6).is_empty());
-    let rule = Rule::Where {
-        index: 0,
-        excess: 0.25,
-    };
-    search.refuse(Rule::Where {
-        index: 0,
-        excess: 0.5,
-    });
+    let rule = Rule::Where { index: 0, excess: 0.25 };
+    search.refuse(Rule::Where { index: 0, excess: 0.5 });
     search.refuse(rule);
     assert_eq!(search.finish(), Err(IkError::Forbidden { rule }));
-    assert_eq!(
-        Search::<2>::new(1.0, &TURN).finish(),
-        Err(IkError::NotFinite)
-    );
+    assert_eq!(Search::<2>::new(1.0, &TURN).finish(), Err(IkError::NotFinite));
 }
 
 #[test]
 fn revolute_joints_are_wrapped_and_others_are_not() {
     let windings = &TURN[..1];
-    for (value, wrapped) in [
-        (-PI, PI),
-        (PI, PI),
-        (3.0 * PI, PI),
-        (TAU + 0.5, 0.5),
-        (-TAU - 0.5, -0.5),
-    ] {
+    for (value, wrapped) in [(-PI, PI), (PI, PI), (3.0 * PI, PI), (TAU + 0.5, 0.5), (-TAU - 0.5, -0.5)] {
         let mut search = Search::<2>::new(1.0, windings);
         search.accept([value, 7.0], 0.0, 0.0);
         let q = search.finish().unwrap()[0].q;
@@ -106,16 +68,8 @@ fn revolute_joints_are_wrapped_and_others_are_not() {
 fn wrapping_carries_what_is_coupled() {
     // theta2 = q2 + q1 / 2: a turn of q1 takes half a turn of q2 along.
     let windings = [
-        Winding {
-            joint: 0,
-            turn: TAU,
-            carries: &[(1, -PI)],
-        },
-        Winding {
-            joint: 1,
-            turn: TAU,
-            carries: &[],
-        },
+        Winding { joint: 0, turn: TAU, carries: &[(1, -PI)] },
+        Winding { joint: 1, turn: TAU, carries: &[] },
     ];
     let mut search = Search::<2>::new(1.0, &windings);
     search.accept([TAU + 0.5, 0.25], 0.0, 0.0);
@@ -170,59 +124,26 @@ fn a_free_step_marks_what_follows_until_it_is_solved_again() {
 
 #[test]
 fn nearest_is_by_least_joint_travel() {
-    let solution = |q| Solution {
-        q,
-        position_error: 0.0,
-        rotation_error: 0.0,
-        free: None,
-    };
+    let solution = |q| Solution { q, position_error: 0.0, rotation_error: 0.0, free: None };
     let mut solutions = Solutions::one(solution([1.0, 1.0]));
     solutions.push(solution([0.0, 1.3]), &TURN);
     solutions.push(solution([-2.0, 0.0]), &TURN);
     assert_eq!(solutions.nearest(&[0.0, 0.0]).q, [0.0, 1.3]);
     assert_eq!(solutions.nearest(&[1.0, 0.9]).q, [1.0, 1.0]);
     solutions.sort_by_distance(&[-1.9, 0.0]);
-    assert_eq!(
-        solutions.iter().map(|s| s.q[0]).collect::<Vec<_>>(),
-        [-2.0, 0.0, 1.0]
-    );
+    assert_eq!(solutions.iter().map(|s| s.q[0]).collect::<Vec<_>>(), [-2.0, 0.0, 1.0]);
 }
 
 #[test]
 fn messages_count_from_one_and_carry_numbers() {
     let two = Step::new(1, 0b110, false, Measure::Length);
     assert_eq!(two.to_string(), "step 2 (theta2 + theta3)");
-    assert_eq!(
-        Step::new(0, 0b100, true, Measure::Area).to_string(),
-        "step 1 (d3)"
-    );
-    let text = IkError::Unreachable {
-        step: two,
-        excess: 0.125,
-    }
-    .to_string();
-    assert!(
-        text.contains("step 2 (theta2 + theta3)") && text.contains("0.125000 m"),
-        "{text}"
-    );
-    let text = IkError::Unreachable {
-        step: Step {
-            measure: Measure::Area,
-            ..two
-        },
-        excess: 0.125,
-    }
-    .to_string();
+    assert_eq!(Step::new(0, 0b100, true, Measure::Area).to_string(), "step 1 (d3)");
+    let text = IkError::Unreachable { step: two, excess: 0.125 }.to_string();
+    assert!(text.contains("step 2 (theta2 + theta3)") && text.contains("0.125000 m"), "{text}");
+    let text =
+        IkError::Unreachable { step: Step { measure: Measure::Area, ..two }, excess: 0.125 }.to_string();
     assert!(text.contains("12.5") && text.contains('%'), "{text}");
-    let text = IkError::OutsideLimits {
-        joint: 2,
-        value: 4.0,
-        min: -1.0,
-        max: 1.0,
-    }
-    .to_string();
-    assert!(
-        text.contains("joint 3") && text.contains("4.000000"),
-        "{text}"
-    );
+    let text = IkError::OutsideLimits { joint: 2, value: 4.0, min: -1.0, max: 1.0 }.to_string();
+    assert!(text.contains("joint 3") && text.contains("4.000000"), "{text}");
 }

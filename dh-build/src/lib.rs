@@ -11,9 +11,10 @@ mod script;
 #[cfg(test)]
 mod tests;
 
+pub use dh_codegen::emit::rust::{ScalarType, Types};
 pub use error::FindError;
 pub use read::MAX_BYTES;
-pub use script::{Build, BuildError, Translation};
+pub use script::{Build, BuildError};
 
 use std::path::PathBuf;
 

@@ -1,27 +1,26 @@
 //! Build scripts: a table in, a Rust file in `OUT_DIR` out.
 
 use super::{FindError, Source};
+use dh_codegen::diagnostic::{Diagnostics, Severity, Style};
+use dh_codegen::emit::rust::{self, Options, ScalarType, Types};
+use dh_codegen::verify::Level;
 use std::ffi::OsStr;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// The whole of a `build.rs`: generates the code of one table into `OUT_DIR`, to be included with
-/// `include!(concat!(env!("OUT_DIR"), "/arm.rs"))`.
+/// The whole of a `build.rs`: generates the code of one table into `OUT_DIR`.
+///
+/// ```no_run
+/// fn main() -> Result<(), dh_build::BuildError> {
+///     dh_build::Build::new().table("arm.toml").struct_name("Arm").compile()?;
+///     Ok(())
+/// }
+/// ```
+///
+/// The crate then has `include!(concat!(env!("OUT_DIR"), "/arm.rs"));` where `Arm` is wanted.
 #[derive(Debug, Clone, Default)]
 pub struct Build {
-    table: String,
-    struct_name: Option<String>,
-}
-
-/// What the compiler makes of a table.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Translation {
-    /// The generated code, unless the table has errors.
-    pub code: Option<String>,
-    /// The drawn errors; empty if there are none.
-    pub errors: String,
-    /// The drawn warnings, one text each.
-    pub warnings: Vec<String>,
+    options: Options,
 }
 
 impl Build {
@@ -34,56 +33,75 @@ impl Build {
     /// table.
     #[must_use]
     pub fn table(mut self, name: impl Into<String>) -> Self {
-        self.table = name.into();
+        self.options.table = name.into();
         self
     }
 
     /// The name of the generated struct, where it is not to be made from the robot's.
     #[must_use]
     pub fn struct_name(mut self, name: impl Into<String>) -> Self {
-        self.struct_name = Some(name.into());
+        self.options.name = Some(name.into());
         self
     }
 
-    /// Finds the table, hands it to the compiler (with the struct's name, if one was given), writes the code to
-    /// `$OUT_DIR/<table>.rs`, and tells cargo on stdout what to watch and what to warn of. Returns the file written.
+    /// The type of all numbers, where it is not to be f64.
+    #[must_use]
+    pub fn scalar(mut self, scalar: ScalarType) -> Self {
+        self.options.scalar = scalar;
+        self
+    }
+
+    /// The types that the methods take and return, where they are not to be nalgebra's.
+    #[must_use]
+    pub fn types(mut self, types: Types) -> Self {
+        self.options.types = types;
+        self
+    }
+
+    /// Finds the table, compiles it, writes the code to `$OUT_DIR/<table>.rs`, and tells cargo on stdout what to watch
+    /// and what to warn of. Returns the file written.
     ///
     /// # Errors
     /// The table cannot be found, read or compiled, or the code not written; the message has the drawn diagnostics.
-    pub fn compile_with(
-        &self,
-        compiler: impl FnOnce(&Source, Option<&str>) -> Translation,
-    ) -> Result<PathBuf, BuildError> {
+    pub fn compile(&self) -> Result<PathBuf, BuildError> {
         let variable =
             |name| std::env::var_os(name).map(PathBuf::from).ok_or(BuildError::Environment { name });
         let (root, out) = (variable("CARGO_MANIFEST_DIR")?, variable("OUT_DIR")?);
-        self.run(&root, &out, compiler, |line| println!("{line}"))
+        self.run(&root, &out, |line| println!("{line}"))
     }
 
     pub(crate) fn run(
         &self,
         root: &Path,
         out: &Path,
-        compiler: impl FnOnce(&Source, Option<&str>) -> Translation,
         mut tell_cargo: impl FnMut(&str),
     ) -> Result<PathBuf, BuildError> {
-        let source = Source::for_build_script(&self.table, root).map_err(BuildError::Find)?;
+        let source = Source::for_build_script(&self.options.table, root).map_err(BuildError::Find)?;
         if let Some(path) = &source.path {
             tell_cargo(&format!("cargo::rerun-if-changed={}", path.display()));
         }
-        let translation = compiler(&source, self.struct_name.as_deref());
-        for line in translation.warnings.iter().flat_map(|warning| warning.lines()) {
+        let compilation = dh_codegen::compile(&source.text, Level::Quick);
+        let drawn = |severity| drawn(&compilation.diagnostics, severity, &source);
+        let Some(output) = &compilation.output else {
+            return Err(BuildError::Table { drawn: drawn(Severity::Error).join("\n\n") });
+        };
+        for line in drawn(Severity::Warning).iter().flat_map(|warning| warning.lines()) {
             tell_cargo(&format!("cargo::warning={line}"));
         }
-        let Some(code) = translation.code.filter(|_| translation.errors.is_empty()) else {
-            return Err(BuildError::Table { drawn: translation.errors });
-        };
-        let stem = Path::new(&self.table).file_stem().unwrap_or(OsStr::new("robot"));
+        let options = Options { table: source.name_shown.clone(), ..self.options.clone() };
+        let code = rust::print(&output.model, &output.plan, &options);
+        let stem = Path::new(&self.options.table).file_stem().unwrap_or(OsStr::new("robot"));
         let file = out.join(stem).with_extension("rs");
         std::fs::write(&file, code)
             .map_err(|error| BuildError::Write { file: file.clone(), reason: error.to_string() })?;
         Ok(file)
     }
+}
+
+/// The diagnostics of one severity, each drawn over the table.
+fn drawn(diagnostics: &Diagnostics, severity: Severity, source: &Source) -> Vec<String> {
+    let sorted = diagnostics.sorted().into_iter().filter(|diagnostic| diagnostic.severity == severity);
+    sorted.map(|diagnostic| diagnostic.render(&source.text, &source.name_shown, Style::Plain)).collect()
 }
 
 /// Why a build script produced no code.

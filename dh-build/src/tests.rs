@@ -1,4 +1,4 @@
-use super::{Build, BuildError, FindError, MAX_BYTES, Source, Translation};
+use super::{Build, BuildError, FindError, MAX_BYTES, ScalarType, Source, Types};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -115,37 +115,51 @@ fn files_that_are_no_tables_are_refused() {
     assert!(matches!(folder.find("nul\0.toml"), Err(FindError::Unreadable { .. })));
 }
 
+const TABLE: &str = r#"
+[robot]
+name = "two links"
+convention = "standard"
+
+[[joint]]
+a = 0.3
+
+[[joint]]
+a = 0.2
+alpha = 1.5708
+"#;
+
 #[test]
 fn build_scripts_write_the_code_and_tell_cargo() {
     let folder = Folder::new("script");
-    let table = folder.write("robots/arm.toml", "[robot]");
-    let build = Build::new().table("arm.toml").struct_name("Arm");
+    let table = folder.write("robots/arm.toml", TABLE);
     let mut told = Vec::new();
-    let compiler = |source: &Source, name: Option<&str>| {
-        assert_eq!((source.name_shown.as_str(), name), ("robots/arm.toml", Some("Arm")));
-        Translation {
-            code: Some("struct Arm;".to_owned()),
-            warnings: vec!["one\ntwo".to_owned()],
-            ..Translation::default()
-        }
-    };
-    let file = build.run(&folder.0, &folder.0, compiler, |line| told.push(line.to_owned())).unwrap();
+    let build = Build::new().table("arm.toml").struct_name("Arm").types(Types::Plain).scalar(ScalarType::F32);
+    let file = build.run(&folder.0, &folder.0, |line| told.push(line.to_owned())).unwrap();
     assert_eq!(file, folder.0.join("arm.rs"));
-    assert_eq!(fs::read_to_string(file).unwrap(), "struct Arm;");
-    let changed = format!("cargo::rerun-if-changed={}", table.display());
-    assert_eq!(told, [changed.as_str(), "cargo::warning=one", "cargo::warning=two"]);
+    let code = fs::read_to_string(file).unwrap();
+    for part in ["robots/arm.toml", "pub struct Arm;", "pub fn fk(&self, q: &[f32; 2])"] {
+        assert!(code.contains(part), "{part} in\n{code}");
+    }
+    assert!(!code.contains(folder.0.to_str().unwrap()), "no path of this machine");
+    assert_eq!(told[0], format!("cargo::rerun-if-changed={}", table.display()));
+    // The rounded twist is warned of, drawn, line by line.
+    assert!(
+        told.len() > 3 && told.iter().skip(1).all(|line| line.starts_with("cargo::warning=")),
+        "{told:?}"
+    );
+    assert!(told.iter().any(|line| line.contains("robots/arm.toml:11:")), "{told:?}");
 }
 
 #[test]
 fn build_scripts_fail_with_what_is_drawn() {
     let folder = Folder::new("fails");
-    folder.write("arm.toml", "[robot]");
-    let refuse =
-        |_: &Source, _: Option<&str>| Translation { errors: "drawn".to_owned(), ..Translation::default() };
-    let error = Build::new().table("arm.toml").run(&folder.0, &folder.0, refuse, |_| ()).unwrap_err();
-    assert_eq!(error, BuildError::Table { drawn: "drawn".to_owned() });
-    assert_eq!(format!("{error:?}"), "\ndrawn");
+    folder.write("arm.toml", TABLE.replace("alpha =", "alhpa ="));
+    let error = Build::new().table("arm.toml").run(&folder.0, &folder.0, |_| ()).unwrap_err();
+    let BuildError::Table { drawn } = &error else { panic!("{error:?}") };
+    assert!(drawn.contains("alhpa") && drawn.contains("arm.toml:11:1"), "{drawn}");
+    // Build scripts return or unwrap the error, and both print its `Debug` form.
+    assert_eq!(format!("{error:?}"), format!("\n{drawn}"));
     assert!(!folder.0.join("arm.rs").exists());
-    let missing = Build::new().table("leg.toml").run(&folder.0, Path::new("."), refuse, |_| ()).unwrap_err();
+    let missing = Build::new().table("leg.toml").run(&folder.0, Path::new("."), |_| ()).unwrap_err();
     assert!(missing.to_string().contains("no file leg.toml, no file robots/leg.toml"), "{missing}");
 }

@@ -9,6 +9,8 @@
 #![forbid(unsafe_code)]
 
 pub use dh_core::*;
+#[cfg(feature = "macro")]
+pub use dh_macro::dh_robot;
 #[cfg(feature = "nalgebra")]
 pub use nalgebra;
 #[cfg(feature = "nalgebra")]

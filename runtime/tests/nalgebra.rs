@@ -34,13 +34,7 @@ fn angles_and_quaternions_mean_the_same() {
 
 #[test]
 fn jacobians_come_from_columns() {
-    let columns = [
-        [1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
-        [7.0, 8.0, 9.0, 10.0, 11.0, 12.0],
-    ];
+    let columns = [[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [7.0, 8.0, 9.0, 10.0, 11.0, 12.0]];
     let jacobian: Jacobian<2> = jacobian_from_columns(columns);
-    assert_eq!(
-        jacobian.column(1).fixed_rows::<3>(3).into_owned(),
-        Vector3::new(10.0, 11.0, 12.0)
-    );
+    assert_eq!(jacobian.column(1).fixed_rows::<3>(3).into_owned(), Vector3::new(10.0, 11.0, 12.0));
 }

@@ -5,7 +5,7 @@
 use toml::de::{DeTable, DeValue};
 
 use crate::double_double::DoubleDouble;
-use crate::expression::{Quantity, Units, degree, evaluate};
+use crate::expression::{Quantity, Units, degree, evaluate, literal};
 use crate::matrix::Matrix;
 
 type Result<T> = std::result::Result<T, String>;
@@ -70,7 +70,7 @@ fn get<'t, 'i>(table: &'t DeTable<'i>, key: &str) -> Option<&'t DeValue<'i>> {
 
 fn number(value: &DeValue<'_>, quantity: Quantity, units: &Units) -> Result<DoubleDouble> {
     let unit = units.of(quantity);
-    let plain = |text: &str| DoubleDouble::parse(text).map(|x| x * unit).ok_or_else(|| format!("`{text}`"));
+    let plain = |text: &str| literal(text).map(|x| x * unit).ok_or_else(|| format!("`{text}`"));
     let value = match value {
         DeValue::Integer(integer) => plain(integer.as_str())?,
         DeValue::Float(float) => plain(float.as_str())?,
@@ -185,9 +185,9 @@ impl Chain {
         let robot = get(table, "robot").and_then(DeValue::as_table).ok_or("no [robot]")?;
         let units = units(robot)?;
         let convention = match get(robot, "convention").and_then(DeValue::as_str) {
-            None | Some("standard") => Convention::Standard,
+            Some("standard") => Convention::Standard,
             Some("modified") => Convention::Modified,
-            Some(other) => return Err(format!("convention `{other}`")),
+            other => return Err(format!("convention {other:?}")),
         };
         let entries = get(table, "joint").and_then(DeValue::as_array).ok_or("no [[joint]]")?;
         let entries: Vec<_> = entries.iter().filter_map(|entry| entry.get_ref().as_table()).collect();

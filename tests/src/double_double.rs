@@ -43,33 +43,6 @@ impl DoubleDouble {
         self.to_f64().is_finite()
     }
 
-    /// The decimal number that `text` writes, which f64 has not in general: 0.1 is 1 / 10 here. `None` where it isn't
-    /// a decimal number.
-    pub fn parse(text: &str) -> Option<Self> {
-        let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((text, "0"));
-        let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
-        let (sign, whole) = match whole.strip_prefix('-') {
-            Some(rest) => (-1.0, rest),
-            None => (1.0, whole.strip_prefix('+').unwrap_or(whole)),
-        };
-        if whole.is_empty() && fraction.is_empty() {
-            return None;
-        }
-        let ten = Self::from(10.0);
-        let mut value = Self::ZERO;
-        for digit in whole.chars().chain(fraction.chars()).filter(|&c| c != '_') {
-            value = value * ten + Self::from(f64::from(digit.to_digit(10)?));
-        }
-        let places = fraction.chars().filter(|&c| c != '_').count() as i32;
-        let exponent = exponent.parse::<i32>().ok()? - places;
-        let mut power = Self::ONE;
-        for _ in 0..exponent.unsigned_abs() {
-            power = power * ten;
-        }
-        let value = if exponent < 0 { value / power } else { value * power };
-        Some(value * Self::from(sign))
-    }
-
     /// Square root; NaN for negative numbers.
     pub fn sqrt(self) -> Self {
         if self == Self::ZERO {
@@ -172,16 +145,6 @@ mod tests {
 
     fn close(a: DoubleDouble, b: DoubleDouble) -> bool {
         (a - b).to_f64().abs() < 1e-30
-    }
-
-    #[test]
-    fn decimals_are_exact() {
-        let tenth = DoubleDouble::ONE / DoubleDouble::from(10.0);
-        assert!(close(DoubleDouble::parse("0.1").unwrap(), tenth));
-        assert!(close(DoubleDouble::parse("-1.5e-1").unwrap(), tenth * DoubleDouble::from(-1.5)));
-        assert!(close(DoubleDouble::parse("1_0.0").unwrap(), DoubleDouble::from(10.0)));
-        assert!(DoubleDouble::parse("ten").is_none());
-        assert!(DoubleDouble::parse("").is_none());
     }
 
     #[test]

@@ -37,6 +37,11 @@ impl Units {
     }
 }
 
+/// A literal. TOML's numbers are those of f64, in an expression too: the decimal 0.1 is the f64 nearest to it.
+pub fn literal(text: &str) -> Option<DoubleDouble> {
+    text.replace('_', "").parse::<f64>().ok().map(DoubleDouble::from)
+}
+
 /// One degree in radians.
 pub fn degree() -> DoubleDouble {
     DoubleDouble::PI / DoubleDouble::from(180.0)
@@ -180,7 +185,7 @@ impl Parser<'_> {
         }
         let (number, rest) = self.rest.split_at(end);
         self.rest = rest;
-        DoubleDouble::parse(number).map(Value::Bare).ok_or_else(|| format!("no number at `{number}{rest}`"))
+        literal(number).map(Value::Bare).ok_or_else(|| format!("no number at `{number}{rest}`"))
     }
 
     fn call(&mut self, name: &str) -> Result<Value, String> {

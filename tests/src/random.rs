@@ -167,6 +167,15 @@ impl Spec {
         }
     }
 
+    /// rad or m of one table unit of this row's variable.
+    fn unit(&self, row: usize) -> f64 {
+        match (self.rows[row].prismatic, self.millimetres, self.degrees) {
+            (true, true, _) => 1e-3,
+            (false, _, true) => 1_f64.to_radians(),
+            _ => 1.0,
+        }
+    }
+
     fn joint(&self, text: &mut String, index: usize) -> std::fmt::Result {
         let row = &self.rows[index];
         let (offset_length, offset_angle) = row.offset;
@@ -189,8 +198,10 @@ impl Spec {
             let span = if self.later { index + 1..self.rows.len() } else { 0..index };
             let others: Vec<usize> = span.filter(|&other| !self.rows[other].held).collect();
             if !others.is_empty() {
-                let other = pick.get(&others) + 1;
-                writeln!(text, "couple = {{ J{other} = {} }}", f64::from(thousandths) / 1e3)?;
+                let other = *pick.get(&others);
+                // At most 2 rad, or m, for one of the other's: a joint that turns by hundreds tests the sine.
+                let factor = f64::from(thousandths) / 1e3 * self.unit(other) / self.unit(index);
+                writeln!(text, "couple = {{ J{} = {factor} }}", other + 1)?;
             }
         }
         Ok(())
@@ -260,7 +271,13 @@ pub fn calibrated_arm() -> impl Strategy<Value = RandomArm> {
             let joints = rows.map(|(d, a, alpha, offset)| {
                 format!("\n[[joint]]\nd = {d}\na = {a}\nalpha = {alpha}\noffset = {offset}\n")
             });
-            RandomArm { text: format!("[robot]\nname = \"Calibrated\"\n{}", joints.concat()), q: q.to_vec() }
+            RandomArm {
+                text: format!(
+                    "[robot]\nname = \"Calibrated\"\nconvention = \"standard\"\n{}",
+                    joints.concat()
+                ),
+                q: q.to_vec(),
+            }
         },
     )
 }

@@ -95,9 +95,8 @@ fn stages_of_the_compiler_name_only_the_stage_before() {
             continue;
         };
         for named in named_modules(&code) {
-            // The model is the robot, which every stage may read; only `table` is before it.
-            let everywhere =
-                named == "diagnostic" || (named == "model" && !matches!(stage, "table" | "diagnostic"));
+            // The model is the robot, whose types every stage may read.
+            let everywhere = named == "diagnostic" || (named == "model" && stage != "diagnostic");
             let is_module = ARROWS.iter().any(|(name, _)| *name == named);
             let allowed = named == stage || everywhere || allowed.contains(&named.as_str());
             assert!(allowed || !is_module, "{path} names {named}");
@@ -122,7 +121,7 @@ fn the_table_stage_knows_no_geometry() {
         if !path.starts_with("table") {
             continue;
         }
-        for word in ["dh_core", "Frame", "sin_cos", "matrix", "compose"] {
+        for word in ["dh_core", "Frame", "Rotation", "matrix", "compose", "transform"] {
             assert!(!code.contains(word), "{path}: {word}");
         }
     }
@@ -198,23 +197,24 @@ fn the_oracle_shares_nothing_with_the_compiler() {
     }
 }
 
+/// A file holds one thing. What the compiler printed (`printed/`, `generated-demo`) is as long as the arm makes it.
 #[test]
 fn files_are_short() {
+    let mut long = Vec::new();
     for name in
         ["core", "runtime", "robots", "codegen", "dh-build", "dh-macro", "cli", "tests", "bench", "drivers"]
     {
-        let folder = workspace().join(name);
         for part in ["src", "tests", "benches"] {
-            let folder = folder.join(part);
-            if !folder.is_dir() {
-                continue;
-            }
-            for (path, _) in sources(&folder) {
+            let folder = workspace().join(name).join(part);
+            for (path, _) in if folder.is_dir() { sources(&folder) } else { Vec::new() } {
                 let lines = fs::read_to_string(folder.join(&path)).unwrap().lines().count();
-                assert!(lines <= 450, "{name}/{part}/{path} has {lines} lines: more than one thing");
+                if lines > 450 && !path.starts_with("printed/") {
+                    long.push(format!("{name}/{part}/{path}: {lines}"));
+                }
             }
         }
     }
+    assert!(long.is_empty(), "more than one thing in {long:?}");
 }
 
 #[test]

@@ -3,6 +3,9 @@
 use std::fs;
 use std::path::PathBuf;
 
+use dh_codegen::compile;
+use dh_codegen::diagnostic::Style;
+use dh_codegen::verify::Level;
 use dh_tests::oracle::Oracle;
 
 fn folder() -> PathBuf {
@@ -20,6 +23,20 @@ fn every_file_is_embedded_in_alphabetical_order() {
     files.sort();
     assert_eq!(files, dh_robots::names().collect::<Vec<_>>());
     assert!(dh_robots::table("none of them").is_none());
+}
+
+/// No errors, no warnings, and a function for every problem that a table asks for.
+#[test]
+fn every_table_compiles_without_a_word() {
+    for name in dh_robots::names() {
+        let text = dh_robots::table(name).unwrap();
+        let compilation = compile(text, Level::Quick);
+        let said = compilation.diagnostics.render(text, name, Style::Plain);
+        assert!(said.is_empty(), "{said}");
+        let output = compilation.output.unwrap();
+        assert!(output.unsolved.is_empty(), "{name}");
+        assert!(output.report.functions.iter().all(|function| function.failure.is_none()), "{name}");
+    }
 }
 
 #[test]
@@ -41,6 +58,19 @@ fn the_reference_lists_every_table() {
             assert!(line.contains(&format!("`{problem}`")), "{name}: {problem} is not listed");
         }
     }
+}
+
+#[test]
+fn examples_of_the_reference_are_toml() {
+    let readme = fs::read_to_string(folder().join("README.md")).unwrap();
+    let blocks: Vec<&str> =
+        readme.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
+    assert!(blocks.len() > 8);
+    for block in &blocks {
+        assert!(toml::de::DeTable::parse(block).is_ok(), "{block}");
+    }
+    // The first is a whole table.
+    assert_eq!(Oracle::read(blocks[0]).unwrap().dof(), 2);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 /// Declares the codes and the catalogue of their explanations.
 macro_rules! catalogue {
     ($($name:ident = $code:literal, $text:literal;)*) => {
-        $(#[doc = $text] pub const $name: &str = $code;)*
+        $(#[doc = concat!("`", $code, "`, explained in [`CATALOGUE`].")] pub const $name: &str = $code;)*
 
         /// Every code with its explanation, in the order of the pipeline.
         pub const CATALOGUE: &[(&str, &str)] = &[$(($code, $text)),*];
@@ -70,7 +70,7 @@ catalogue! {
     POSE_LENGTH = "pose-length",
         "A named pose has one value for each joint that moves, base to tip. Held joints have none.";
     POSE_OUTSIDE_LIMITS = "pose-outside-limits",
-        "A named pose is outside the limits of a joint, or of a sum of joints.";
+        "A named pose is outside the limits of a joint, so that it cannot be moved to. A pose outside a [[limit]] on a sum of joints gets a warning: the arm refuses to move there all the same.";
     BAD_CONSTRAINT = "bad-constraint",
         "A constraint is an equation `left = right`, an entry of `where` an inequality with <=, <, >= or >.";
     NOT_LINEAR = "not-linear",
@@ -89,16 +89,15 @@ catalogue! {
         "The number is a multiple of 15 degrees rounded to the digits written. It is kept as written, so that the arm is built with axes that are not quite square; if the multiple is meant, write it as an expression, which is exact.";
     SERVO_RANGE = "servo-range",
         "The servo cannot be sent to all of the joint's limits. Motion uses what both allow.";
+    NO_CLOSED_FORM = "no-closed-form",
+        "The compiler looked for an order in which each step has one unknown joint (or sum of parallel joints), and found none for this problem under these constraints. Its function is left out, and the others stay.";
     VERIFICATION = "verification",
         "Every function is run against plain products of the table's own matrices before it is printed. One that does not agree is left out, and the others stay. This is never the table's mistake: the compiler derived something wrong, or its accuracy does not do for this arm.";
 }
 
 /// What a code means.
 pub fn explain(code: &str) -> Option<&'static str> {
-    CATALOGUE
-        .iter()
-        .find(|(known, _)| *known == code)
-        .map(|(_, text)| *text)
+    CATALOGUE.iter().find(|(known, _)| *known == code).map(|(_, text)| *text)
 }
 
 #[cfg(test)]
@@ -110,18 +109,10 @@ mod tests {
         for (index, (code, text)) in CATALOGUE.iter().enumerate() {
             assert!(
                 code.len() <= 20
-                    && code
-                        .chars()
-                        .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-')
+                    && code.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-')
             );
             assert!(text.ends_with('.') && text.len() > 20, "{code}");
-            assert!(
-                CATALOGUE
-                    .iter()
-                    .skip(index + 1)
-                    .all(|(other, _)| other != code),
-                "{code} stands twice"
-            );
+            assert!(CATALOGUE.iter().skip(index + 1).all(|(other, _)| other != code), "{code} stands twice");
             assert_eq!(explain(code), Some(*text));
         }
         assert_eq!(explain("E0000"), None);

@@ -25,16 +25,9 @@ impl Diagnostics {
     /// Draws all diagnostics in the order of the text. `path` is shown as given.
     pub fn render(&self, source: &str, path: &str, style: Style) -> String {
         let sorted = self.sorted();
-        let mut drawn: Vec<String> = sorted
-            .iter()
-            .take(MOST_DRAWN)
-            .map(|item| item.render(source, path, style))
-            .collect();
-        if let Some(more) = sorted
-            .len()
-            .checked_sub(MOST_DRAWN)
-            .filter(|more| *more > 0)
-        {
+        let mut drawn: Vec<String> =
+            sorted.iter().take(MOST_DRAWN).map(|item| item.render(source, path, style)).collect();
+        if let Some(more) = sorted.len().checked_sub(MOST_DRAWN).filter(|more| *more > 0) {
             drawn.push(format!("... and {more} more"));
         }
         drawn.join("\n\n")
@@ -63,29 +56,19 @@ impl Diagnostic {
             .map(|text| Level::HELP.message(annotate_snippets::normalize_untrusted_str(text)));
         let group = match excerpt(source, &self.labels) {
             Some(excerpt) => {
-                let snippet = Snippet::source(excerpt.text)
-                    .line_start(excerpt.line)
-                    .path(path)
-                    .annotations(excerpt.labels.into_iter().map(|(span, label)| {
-                        let kind = if label.primary {
-                            AnnotationKind::Primary
-                        } else {
-                            AnnotationKind::Context
-                        };
+                let snippet = Snippet::source(excerpt.text).line_start(excerpt.line).path(path).annotations(
+                    excerpt.labels.into_iter().map(|(span, label)| {
+                        let kind =
+                            if label.primary { AnnotationKind::Primary } else { AnnotationKind::Context };
                         let text = Some(label.text.as_str()).filter(|text| !text.is_empty());
                         kind.span(span).label(text)
-                    }));
+                    }),
+                );
                 title.element(snippet).elements(help)
             }
-            None => Group::with_title(title)
-                .element(annotate_snippets::Origin::path(path))
-                .elements(help),
+            None => Group::with_title(title).element(annotate_snippets::Origin::path(path)).elements(help),
         };
-        let renderer = if style == Style::Coloured {
-            Renderer::styled()
-        } else {
-            Renderer::plain()
-        };
+        let renderer = if style == Style::Coloured { Renderer::styled() } else { Renderer::plain() };
         renderer.render(&[group])
     }
 }
@@ -101,37 +84,22 @@ struct Excerpt<'a> {
 
 /// Cut before it is drawn, so that the time that takes does not grow with the table.
 fn excerpt<'a>(source: &'a str, labels: &'a [Label]) -> Option<Excerpt<'a>> {
-    let inside: Vec<(Range<usize>, &Label)> = labels
-        .iter()
-        .map(|label| (on_letters(source, &label.span), label))
-        .collect();
+    let inside: Vec<(Range<usize>, &Label)> =
+        labels.iter().map(|label| (on_letters(source, &label.span), label)).collect();
     let first = inside.iter().map(|(span, _)| span.start).min()?;
     let last = inside.iter().map(|(span, _)| span.end).max()?;
     let mut start = source.get(..first)?.rfind('\n').map_or(0, |at| at + 1);
-    let mut end = source
-        .get(last..)?
-        .find('\n')
-        .map_or(source.len(), |at| last + at);
+    let mut end = source.get(last..)?.find('\n').map_or(source.len(), |at| last + at);
     if first - start > LONGEST_LINE {
         start = letter_at_or_before(source, first - LONGEST_LINE);
     }
     if end - last > LONGEST_LINE {
         end = letter_at_or_before(source, last + LONGEST_LINE);
     }
-    let line = 1 + source
-        .get(..start)?
-        .bytes()
-        .filter(|byte| *byte == b'\n')
-        .count();
-    let labels = inside
-        .into_iter()
-        .map(|(span, label)| (span.start - start..span.end - start, label))
-        .collect();
-    Some(Excerpt {
-        text: source.get(start..end)?,
-        line,
-        labels,
-    })
+    let line = 1 + source.get(..start)?.bytes().filter(|byte| *byte == b'\n').count();
+    let labels =
+        inside.into_iter().map(|(span, label)| (span.start - start..span.end - start, label)).collect();
+    Some(Excerpt { text: source.get(start..end)?, line, labels })
 }
 
 /// The span, moved inside the text and onto whole letters.

@@ -106,7 +106,11 @@ pub fn print(model: &Model, plan: &Plan, options: &Options) -> String {
     text.line("");
     text.documentation(documentation::of_robot(model, &printer.reach()));
     text.line("#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]");
-    text.line("#[allow(unreachable_pub, reason = \"it may be public or not where it is used\")]");
+    text.open("#[allow(");
+    text.line("unreachable_pub,");
+    text.line("clippy::doc_markdown,");
+    text.line("reason = \"public where it is used or not, and documented in the words of the table\"");
+    text.close(")]");
     text.line(format!("pub struct {};", printer.struct_name));
     text.line("");
     text.laid_out(&items);

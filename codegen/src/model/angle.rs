@@ -23,10 +23,7 @@ const SIN_75: f64 = 0.965_925_826_289_068_3;
 
 impl Angle {
     /// No turn.
-    pub const ZERO: Angle = Angle {
-        value: 0.0,
-        fifteenths: Some(0),
-    };
+    pub const ZERO: Angle = Angle { value: 0.0, fifteenths: Some(0) };
 
     /// From radians.
     pub fn from_radians(value: f64) -> Angle {
@@ -36,35 +33,22 @@ impl Angle {
                 return Angle::from_fifteenths(nearest as i32);
             }
         }
-        Angle {
-            value,
-            fifteenths: None,
-        }
+        Angle { value, fifteenths: None }
     }
 
     /// From degrees. Multiples of 15 are found in degrees, where they are exact.
     pub fn from_degrees(degrees: f64) -> Angle {
         let nearest = libm::round(degrees / 15.0);
         let exact = degrees.abs() <= LARGEST_EXACT && degrees == nearest * 15.0;
-        if exact {
-            Angle::from_fifteenths(nearest as i32)
-        } else {
-            Angle::from_radians(degrees / 180.0 * PI)
-        }
+        if exact { Angle::from_fifteenths(nearest as i32) } else { Angle::from_radians(degrees / 180.0 * PI) }
     }
 
     /// A multiple of 15 degrees.
     pub fn from_fifteenths(count: i32) -> Angle {
         // One rounding where the multiple is one of a half turn's simple fractions, two elsewhere.
-        let value = if count % 6 == 0 {
-            f64::from(count / 6) * FRAC_PI_2
-        } else {
-            f64::from(count) * PI / 12.0
-        };
-        Angle {
-            value,
-            fifteenths: Some(count),
-        }
+        let value =
+            if count % 6 == 0 { f64::from(count / 6) * FRAC_PI_2 } else { f64::from(count) * PI / 12.0 };
+        Angle { value, fifteenths: Some(count) }
     }
 
     /// Whether the turn is exactly zero.
@@ -75,10 +59,7 @@ impl Angle {
     /// Sine and cosine: of the exact multiple where the angle is one, so that 90 degrees has the cosine 0.
     pub fn sin_cos(&self) -> (f64, f64) {
         match self.fifteenths {
-            Some(count) => (
-                sine_of_fifteenths(count),
-                sine_of_fifteenths(count.rem_euclid(24) + 6),
-            ),
+            Some(count) => (sine_of_fifteenths(count), sine_of_fifteenths(count.rem_euclid(24) + 6)),
             None => (libm::sin(self.value), libm::cos(self.value)),
         }
     }
@@ -109,11 +90,7 @@ impl Angle {
 /// sin(15 degrees * count).
 fn sine_of_fifteenths(count: i32) -> f64 {
     let turn = count.rem_euclid(24);
-    let (sign, half) = if turn >= 12 {
-        (-1.0, turn - 12)
-    } else {
-        (1.0, turn)
-    };
+    let (sign, half) = if turn >= 12 { (-1.0, turn - 12) } else { (1.0, turn) };
     let first_quarter = if half > 6 { 12 - half } else { half };
     let sine = match first_quarter {
         0 => return 0.0,
@@ -149,7 +126,7 @@ mod tests {
         assert_eq!(Angle::from_radians(FRAC_PI_2 + 5e-13).fifteenths, Some(6));
         assert_eq!(Angle::from_radians(FRAC_PI_2 + 5e-13).value, FRAC_PI_2);
         assert_eq!(Angle::from_radians(FRAC_PI_2 + 2e-12).fifteenths, None);
-        assert_eq!(Angle::from_radians(1.5708).fifteenths, None);
+        assert_eq!(Angle::from_radians(1.5711).fifteenths, None);
         assert_eq!(Angle::from_degrees(-105.0).fifteenths, Some(-7));
     }
 

@@ -90,17 +90,9 @@ pub struct RowFrame {
 }
 
 /// The chain of these rows.
-pub(crate) fn build(
-    convention: Convention,
-    rows: &[Row],
-    base: &Placement,
-    tool: &Placement,
-) -> Chain {
+pub(crate) fn build(convention: Convention, rows: &[Row], base: &Placement, tool: &Placement) -> Chain {
     let mut builder = Builder {
-        chain: Chain {
-            joints: Vec::new(),
-            links: Vec::new(),
-        },
+        chain: Chain { joints: Vec::new(), links: Vec::new() },
         link: Link::default(),
         pending: Pending::default(),
     };
@@ -162,29 +154,14 @@ impl Builder {
             let mut link = core::mem::take(&mut self.link);
             link.flange = link.elements.len();
             self.chain.links.push(link);
-            self.chain.joints.push(ChainJoint {
-                row: index,
-                kind: row.kind,
-            });
+            self.chain.joints.push(ChainJoint { row: index, kind: row.kind });
         }
         if !(moves && row.kind == JointKind::Revolute) {
-            let note = format!(
-                "fixed joint angle of joint {}, table line {}",
-                index + 1,
-                row.line
-            );
+            let note = format!("fixed joint angle of joint {}, table line {}", index + 1, row.line);
             self.rotate(2, row.theta, format!("theta{}", index + 1), note);
         }
-        let d = if moves && row.kind == JointKind::Prismatic {
-            0.0
-        } else {
-            row.d
-        };
-        self.pending = Pending {
-            d: d - before,
-            shift: 0.0,
-            row: Some((index, row.line)),
-        };
+        let d = if moves && row.kind == JointKind::Prismatic { 0.0 } else { row.d };
+        self.pending = Pending { d: d - before, shift: 0.0, row: Some((index, row.line)) };
     }
 
     /// To the next axis: what is pending, then Tx(a) Rx(alpha) Ry(beta), then the shift of that axis.
@@ -197,12 +174,8 @@ impl Builder {
         } else {
             let pending = core::mem::take(&mut self.pending);
             let [x, y, z] = between(pending.d, row.a, row.alpha, row.beta, shift);
-            let note = |what: &str| {
-                format!(
-                    "{what} of joint {number}, axis recentred, table line {}",
-                    row.line
-                )
-            };
+            let note =
+                |what: &str| format!("{what} of joint {number}, axis recentred, table line {}", row.line);
             let of = pending.row.map_or(number, |(index, _)| index + 1);
             self.translate(2, z, format!("d{of}"), note("link offset"));
             self.translate(0, x, format!("a{number}"), note("link length"));
@@ -211,23 +184,13 @@ impl Builder {
         let note = |what: &str| format!("{what} of joint {number}, table line {}", row.line);
         self.rotate(0, row.alpha, format!("alpha{number}"), note("link twist"));
         self.rotate(1, row.beta, format!("beta{number}"), note("turn about y"));
-        self.pending = Pending {
-            d: 0.0,
-            shift,
-            row: None,
-        };
+        self.pending = Pending { d: 0.0, shift, row: None };
     }
 
     /// Puts down the translation that is pending.
     fn flush(&mut self) {
         let shift = self.pending.shift;
-        let pending = core::mem::replace(
-            &mut self.pending,
-            Pending {
-                shift,
-                ..Pending::default()
-            },
-        );
+        let pending = core::mem::replace(&mut self.pending, Pending { shift, ..Pending::default() });
         if let Some((index, line)) = pending.row {
             let note = format!("link offset of joint {}, table line {line}", index + 1);
             self.translate(2, pending.d, format!("d{}", index + 1), note);
@@ -235,64 +198,35 @@ impl Builder {
     }
 
     fn frame(&mut self, row: Option<usize>, along_z: f64) {
-        self.link.frames.push(RowFrame {
-            row,
-            after: self.link.elements.len(),
-            along_z,
-        });
+        self.link.frames.push(RowFrame { row, after: self.link.elements.len(), along_z });
     }
 
     fn translate(&mut self, axis: usize, value: f64, name: String, note: String) {
         if value != 0.0 {
-            self.link.elements.push(Element::Translate {
-                axis,
-                value,
-                name,
-                note,
-            });
+            self.link.elements.push(Element::Translate { axis, value, name, note });
         }
     }
 
     fn rotate(&mut self, axis: usize, angle: Angle, name: String, note: String) {
         if !angle.is_zero() {
-            self.link.elements.push(Element::Rotate {
-                axis,
-                angle,
-                name,
-                note,
-            });
+            self.link.elements.push(Element::Rotate { axis, angle, name, note });
         }
     }
 
     /// `[base]` or `[tool]`: the translation, then Rz(yaw) Ry(pitch) Rx(roll).
     fn placement(&mut self, which: &str, placement: &Placement) {
         for (axis, (value, letter)) in placement.xyz.into_iter().zip(["x", "y", "z"]).enumerate() {
-            self.translate(
-                axis,
-                value,
-                format!("{which}_{letter}"),
-                format!("{letter} of [{which}]"),
-            );
+            self.translate(axis, value, format!("{which}_{letter}"), format!("{letter} of [{which}]"));
         }
         match &placement.rotation {
             Rotation::Rpy([roll, pitch, yaw]) => {
-                for (axis, angle, word) in [(2, yaw, "yaw"), (1, pitch, "pitch"), (0, roll, "roll")]
-                {
-                    self.rotate(
-                        axis,
-                        *angle,
-                        format!("{which}_{word}"),
-                        format!("{word} of [{which}]"),
-                    );
+                for (axis, angle, word) in [(2, yaw, "yaw"), (1, pitch, "pitch"), (0, roll, "roll")] {
+                    self.rotate(axis, *angle, format!("{which}_{word}"), format!("{word} of [{which}]"));
                 }
             }
             Rotation::Matrix(rows) => {
                 let note = format!("rotation of [{which}], from its quaternion");
-                self.link.elements.push(Element::Matrix {
-                    rows: *rows,
-                    name: format!("{which}_r"),
-                    note,
-                });
+                self.link.elements.push(Element::Matrix { rows: *rows, name: format!("{which}_r"), note });
             }
         }
     }
@@ -306,11 +240,7 @@ pub(crate) fn between(d: f64, a: f64, alpha: Angle, beta: Angle, shift: f64) -> 
     let (size_alpha, less_alpha) = cosine_parts(alpha, cos_alpha);
     let (_, less_beta) = cosine_parts(beta, cos_beta);
     // cos(alpha) cos(beta) = sense (1 - less), so that the sum of d and the shift comes first, and exactly.
-    let sense = if cos_alpha * cos_beta < 0.0 {
-        -1.0
-    } else {
-        1.0
-    };
+    let sense = if cos_alpha * cos_beta < 0.0 { -1.0 } else { 1.0 };
     let less = less_alpha + size_alpha * less_beta;
     let x = a + sin_beta * shift;
     let y = -sin_alpha * cos_beta * shift;
@@ -323,10 +253,6 @@ fn cosine_parts(angle: Angle, cosine: f64) -> (f64, f64) {
     if angle.fifteenths.is_some() {
         return (cosine.abs(), 1.0 - cosine.abs());
     }
-    let half = if cosine < 0.0 {
-        libm::cos(angle.value / 2.0)
-    } else {
-        libm::sin(angle.value / 2.0)
-    };
+    let half = if cosine < 0.0 { libm::cos(angle.value / 2.0) } else { libm::sin(angle.value / 2.0) };
     (cosine.abs(), 2.0 * half * half)
 }

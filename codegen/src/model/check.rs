@@ -3,8 +3,8 @@
 use super::constraint::Joints;
 use super::quantity::{Converter, word};
 use super::{
-    AngleUnit, Convention, Device, LengthUnit, Model, Row, Units, fingerprint, placement, problems,
-    recentre, rows, rules, servos, topology,
+    AngleUnit, Convention, Device, LengthUnit, Model, Row, Units, fingerprint, placement, problems, recentre,
+    rows, rules, servos, topology,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, catalogue, shortened};
 use crate::table::{Span, Table, Text};
@@ -26,42 +26,24 @@ const FACTS: [fn(&Table, &Model, &mut Diagnostics); 6] = [
 /// of an arm that has mistakes; it is to be used only if there are no errors.
 pub fn check(table: &Table, diagnostics: &mut Diagnostics) -> Option<Model> {
     let robot = table.robot.clone().unwrap_or_default();
-    let conventions = [
-        ("standard", Convention::Standard),
-        ("modified", Convention::Modified),
-    ];
-    let convention = known(
-        robot.convention.as_ref(),
-        "convention",
-        &conventions,
-        diagnostics,
-    );
+    let conventions = [("standard", Convention::Standard), ("modified", Convention::Modified)];
+    let convention = known(robot.convention.as_ref(), "convention", &conventions, diagnostics);
     let lengths = [("m", LengthUnit::Metre), ("mm", LengthUnit::Millimetre)];
-    let length = known(
-        robot.length.as_ref(),
-        "unit of length",
-        &lengths,
-        diagnostics,
-    );
+    let length = known(robot.length.as_ref(), "unit of length", &lengths, diagnostics);
     let angles = [("rad", AngleUnit::Radian), ("deg", AngleUnit::Degree)];
     let angle = known(robot.angle.as_ref(), "unit of angle", &angles, diagnostics);
-    let units = Units {
-        length: length.unwrap_or(LengthUnit::Metre),
-        angle: angle.unwrap_or(AngleUnit::Radian),
-    };
+    let units =
+        Units { length: length.unwrap_or(LengthUnit::Metre), angle: angle.unwrap_or(AngleUnit::Radian) };
     let convention = convention.unwrap_or(Convention::Standard);
 
     let mut converter = Converter { units, diagnostics };
     let mut rows = rows::rows(table, &mut converter);
     recentre::recentre(convention, &mut rows);
-    let joints: Vec<usize> = (0..rows.len())
-        .filter(|index| rows.get(*index).is_some_and(Row::moves))
-        .collect();
+    let joints: Vec<usize> =
+        (0..rows.len()).filter(|index| rows.get(*index).is_some_and(Row::moves)).collect();
     let inverse = couplings_do_not_cancel(table, &rows, &joints, converter.diagnostics);
-    let windings = inverse
-        .as_ref()
-        .map(|inverse| topology::windings(&rows, &joints, inverse))
-        .unwrap_or_default();
+    let windings =
+        inverse.as_ref().map(|inverse| topology::windings(&rows, &joints, inverse)).unwrap_or_default();
 
     let mut model = Model {
         name: robot.name.map(|name| name.value).unwrap_or_default(),
@@ -72,15 +54,11 @@ pub fn check(table: &Table, diagnostics: &mut Diagnostics) -> Option<Model> {
         base: placement::placement(table.base.as_ref(), &mut converter),
         tool: placement::placement(table.tool.as_ref(), &mut converter),
         workspace: rules::workspace(&table.workspace, &mut converter),
-        servos: table
-            .servos
-            .iter()
-            .map(|servo| servos::outside_the_chain(servo, &mut converter))
-            .collect(),
-        device: table.device.as_ref().map(|device| Device {
-            driver: device.driver.value.clone(),
-            keys: device.keys.clone(),
-        }),
+        servos: table.servos.iter().map(|servo| servos::outside_the_chain(servo, &mut converter)).collect(),
+        device: table
+            .device
+            .as_ref()
+            .map(|device| Device { driver: device.driver.value.clone(), keys: device.keys.clone() }),
         sums: Vec::new(),
         poses: Vec::new(),
         problems: Vec::new(),
@@ -100,29 +78,18 @@ pub fn check(table: &Table, diagnostics: &mut Diagnostics) -> Option<Model> {
         model.poses = table
             .poses
             .iter()
-            .filter_map(|pose| {
-                rules::pose(
-                    pose,
-                    &model.rows,
-                    &model.joints,
-                    &model.sums,
-                    &mut converter,
-                )
-            })
+            .filter_map(|pose| rules::pose(pose, &model.rows, &model.joints, &model.sums, &mut converter))
             .collect();
     }
     let whole = Joints {
         rows: &model.rows,
-        joints: &model.joints,
+        moving: &model.joints,
         inverse: inverse.as_deref().unwrap_or(&[]),
         units,
     };
     let whole = (all_rows && inverse.is_some()).then_some(&whole);
-    model.problems = table
-        .problems
-        .iter()
-        .filter_map(|written| problems::problem(written, whole, diagnostics))
-        .collect();
+    model.problems =
+        table.problems.iter().filter_map(|written| problems::problem(written, whole, diagnostics)).collect();
     for fact in FACTS {
         fact(table, &model, diagnostics);
     }
@@ -147,11 +114,8 @@ fn couplings_do_not_cancel(
 ) -> Option<Vec<Vec<f64>>> {
     let inverse = topology::inverse(rows, joints);
     if inverse.is_none() {
-        let mut coupled = table
-            .joints
-            .iter()
-            .filter_map(|joint| joint.couple.first())
-            .map(|(name, _)| name.span.clone());
+        let mut coupled =
+            table.joints.iter().filter_map(|joint| joint.couple.first()).map(|(name, _)| name.span.clone());
         let mut diagnostic = Diagnostic::error(
             catalogue::SINGULAR_COUPLING,
             "the couplings cancel: joints can be moved together without moving the arm",
@@ -160,8 +124,7 @@ fn couplings_do_not_cancel(
         for other in coupled {
             diagnostic = diagnostic.beside(other, "");
         }
-        diagnostics
-            .push(diagnostic.help("couple one of the joints to the other, not each to each"));
+        diagnostics.push(diagnostic.help("couple one of the joints to the other, not each to each"));
     }
     inverse
 }
@@ -171,32 +134,16 @@ fn something_moves(table: &Table, model: &Model, diagnostics: &mut Diagnostics) 
         return;
     }
     let (message, help) = if table.joints.is_empty() {
-        (
-            "the table has no joints",
-            "write a `[[joint]]` for each, base to tip",
-        )
+        ("the table has no joints", "write a `[[joint]]` for each, base to tip")
     } else {
-        (
-            "all joints are held, so nothing moves",
-            "leave `fixed` out of one of them",
-        )
+        ("all joints are held, so nothing moves", "leave `fixed` out of one of them")
     };
-    let at = table
-        .joints
-        .first()
-        .map_or_else(|| robot_header(table), |joint| joint.header.clone());
-    diagnostics.push(
-        Diagnostic::error(catalogue::JOINT_COUNT, message)
-            .at(at, "")
-            .help(help),
-    );
+    let at = table.joints.first().map_or_else(|| robot_header(table), |joint| joint.header.clone());
+    diagnostics.push(Diagnostic::error(catalogue::JOINT_COUNT, message).at(at, "").help(help));
 }
 
 fn robot_header(table: &Table) -> Span {
-    table
-        .robot
-        .as_ref()
-        .map_or(0..0, |robot| robot.span.start..robot.span.start)
+    table.robot.as_ref().map_or(0..0, |robot| robot.span.start..robot.span.start)
 }
 
 fn rows_are_few_enough(table: &Table, _: &Model, diagnostics: &mut Diagnostics) {
@@ -221,13 +168,7 @@ fn joint_names_differ(table: &Table, model: &Model, diagnostics: &mut Diagnostic
         .iter()
         .zip(&table.joints)
         .map(|(row, joint)| {
-            (
-                row.name.as_str(),
-                joint
-                    .name
-                    .as_ref()
-                    .map_or(joint.header.clone(), |name| name.span.clone()),
-            )
+            (row.name.as_str(), joint.name.as_ref().map_or(joint.header.clone(), |name| name.span.clone()))
         })
         .collect();
     if let Some((_, span)) = places.iter().find(|(name, _)| name.trim().is_empty()) {
@@ -251,11 +192,8 @@ fn problem_names_differ(table: &Table, _: &Model, diagnostics: &mut Diagnostics)
 }
 
 fn servo_names_differ(table: &Table, _: &Model, diagnostics: &mut Diagnostics) {
-    let places: Vec<(&str, Span)> = table
-        .servos
-        .iter()
-        .map(|servo| (servo.name.value.as_str(), servo.name.span.clone()))
-        .collect();
+    let places: Vec<(&str, Span)> =
+        table.servos.iter().map(|servo| (servo.name.value.as_str(), servo.name.span.clone())).collect();
     names_differ("servos", &places, diagnostics);
 }
 
@@ -282,8 +220,7 @@ fn names_differ(what: &str, places: &[(&str, Span)], diagnostics: &mut Diagnosti
 /// Where a servo does not reach the limits of its joint, motion uses what both allow.
 fn servos_reach_the_limits(table: &Table, model: &Model, diagnostics: &mut Diagnostics) {
     for (row, joint) in model.rows.iter().zip(&table.joints) {
-        let (Some(limits), Some(servo), Some(written)) = (row.limits, &row.servo, &joint.servo)
-        else {
+        let (Some(limits), Some(servo), Some(written)) = (row.limits, &row.servo, &joint.servo) else {
             continue;
         };
         let (Some(range), Some(place)) = (servo.range, written.range.as_ref()) else {

@@ -1,59 +1,39 @@
 //! Constraints and filters of inverse problems: texts -> linear forms in the thetas and ds of rows.
 
+use super::form::Form;
 use super::quantity::{literal_of, rounded_angle};
-use super::{Angle, Filter, JointKind, Linear, Row, Units, names, topology};
+use super::{Angle, Filter, JointKind, Row, Units, names};
 use crate::diagnostic::{Diagnostic, Diagnostics, catalogue, nearest, shortened};
-use crate::table::expression::{Scope, Value, evaluate_part, mixed_units};
+use crate::table::expression::{Scope, evaluate_part};
 use crate::table::{Span, Text};
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// The robot as far as constraints speak of it.
 pub(super) struct Joints<'a> {
     pub(super) rows: &'a [Row],
-    /// `joints[i]` is the row of `q[i]`.
-    pub(super) joints: &'a [usize],
+    /// `moving[i]` is the row of `q[i]`.
+    pub(super) moving: &'a [usize],
     /// From thetas and ds to q.
     pub(super) inverse: &'a [Vec<f64>],
     pub(super) units: Units,
 }
 
-/// A linear form in both kinds of variables.
-pub(super) struct Form {
-    /// In thetas and ds of rows, as the model keeps it.
-    pub(super) linear: Linear,
-    /// The same in q: coefficients, and the constant on the same side.
-    pub(super) in_q: (Vec<f64>, f64),
-    /// Whether it speaks of angles.
-    pub(super) of_angles: bool,
-}
-
 /// `left = right`, as left - right = 0: the model's constant is on the right-hand side.
-pub(super) fn equation(
-    text: &Text,
-    joints: &Joints,
-    diagnostics: &mut Diagnostics,
-) -> Option<Form> {
+pub(super) fn equation(text: &Text, joints: &Joints, diagnostics: &mut Diagnostics) -> Option<Form> {
     let sides: Vec<Range<usize>> = split(&text.value, &["="]).0;
-    let [left, right] = sides.as_slice() else {
-        let message = if text.value.contains(['<', '>']) {
-            "an inequality stands among the equations".to_owned()
-        } else {
-            format!(
-                "a constraint is an equation with one `=`, and this has {}",
-                sides.len().saturating_sub(1)
-            )
+    let inequality = text.value.contains(['<', '>']);
+    let (false, [left, right]) = (inequality, sides.as_slice()) else {
+        let (message, help) = match sides.len() {
+            _ if inequality => ("an inequality stands among the equations", "write it in `where = [...]`"),
+            3 if text.value.contains("==") => ("a constraint has one `=`", "write `=` for `==`"),
+            1 => (
+                "a constraint is an equation",
+                "write `left = right`, such as `\"theta4 = pi/2 - theta2 - theta3\"`",
+            ),
+            _ => ("a constraint has one `=`", "write two constraints"),
         };
-        let help = if text.value.contains(['<', '>']) {
-            "write it in `where = [...]`"
-        } else {
-            "write `left = right`, such as \"theta4 = pi/2 - theta2 - theta3\""
-        };
-        diagnostics.push(
-            Diagnostic::error(catalogue::BAD_CONSTRAINT, message)
-                .at(text.span.clone(), "")
-                .help(help),
-        );
+        diagnostics
+            .push(Diagnostic::error(catalogue::BAD_CONSTRAINT, message).at(text.span.clone(), "").help(help));
         return None;
     };
     let mut form = difference(text, left, right, joints, diagnostics)?;
@@ -63,55 +43,36 @@ pub(super) fn equation(
 }
 
 /// `left <= right` and its likes, as left - right <= 0.
-pub(super) fn inequality(
-    text: &Text,
-    joints: &Joints,
-    diagnostics: &mut Diagnostics,
-) -> Option<Filter> {
+pub(super) fn inequality(text: &Text, joints: &Joints, diagnostics: &mut Diagnostics) -> Option<Filter> {
     let (sides, operators) = split(&text.value, &["<=", ">=", "<", ">"]);
     let ([left, right], [operator]) = (sides.as_slice(), operators.as_slice()) else {
-        let (message, help) = if operators.is_empty() && text.value.contains('=') {
-            (
-                "an equation stands among the inequalities",
-                "write it in `constraints = [...]`",
-            )
-        } else {
-            (
-                "an entry of `where` is one inequality",
-                "write `left <= right`, such as \"theta3 <= 0\"; two bounds are two entries",
-            )
+        let (message, help) = match operators.len() {
+            0 if text.value.contains('=') => {
+                ("an equation stands among the inequalities", "write it in `constraints = [...]`")
+            }
+            2 => ("an entry of `where` is one inequality", "write two entries, one for each bound"),
+            _ => {
+                ("an entry of `where` is one inequality", "write `left <= right`, such as `\"theta3 <= 0\"`")
+            }
         };
-        diagnostics.push(
-            Diagnostic::error(catalogue::BAD_CONSTRAINT, message)
-                .at(text.span.clone(), "")
-                .help(help),
-        );
+        diagnostics
+            .push(Diagnostic::error(catalogue::BAD_CONSTRAINT, message).at(text.span.clone(), "").help(help));
         return None;
     };
-    let (least, greatest) = if operator.starts_with('<') {
-        (left, right)
-    } else {
-        (right, left)
-    };
+    let (least, greatest) = if operator.starts_with('<') { (left, right) } else { (right, left) };
     let form = difference(text, least, greatest, joints, diagnostics)?;
     if form.linear.terms.is_empty() {
         diagnostics.push(says_nothing(text));
         return None;
     }
-    Some(Filter {
-        form: form.linear,
-        strict: !operator.ends_with('='),
-    })
+    Some(Filter { form: form.linear, strict: !operator.ends_with('=') })
 }
 
 /// No joint is left in it.
 pub(super) fn says_nothing(text: &Text) -> Diagnostic {
-    Diagnostic::error(
-        catalogue::REDUNDANT,
-        "no joint is left in it, so it says nothing",
-    )
-    .at(text.span.clone(), "")
-    .help("leave it out")
+    Diagnostic::error(catalogue::REDUNDANT, "no joint is left in it, so it says nothing")
+        .at(text.span.clone(), "")
+        .help("leave it out")
 }
 
 /// The parts between operators, and the operators.
@@ -119,10 +80,7 @@ fn split<'a>(text: &str, operators: &[&'a str]) -> (Vec<Range<usize>>, Vec<&'a s
     let (mut parts, mut found) = (Vec::new(), Vec::new());
     let (mut start, mut at) = (0, 0);
     while let Some(rest) = text.get(at..).filter(|rest| !rest.is_empty()) {
-        if let Some(operator) = operators
-            .iter()
-            .find(|operator| rest.starts_with(**operator))
-        {
+        if let Some(operator) = operators.iter().find(|operator| rest.starts_with(**operator)) {
             parts.push(start..at);
             found.push(*operator);
             at += operator.len();
@@ -143,10 +101,7 @@ fn difference(
     diagnostics: &mut Diagnostics,
 ) -> Option<Form> {
     let find = |name: &str, span: Span| variable(name, span, joints);
-    let scope = Scope {
-        radians_per_angle: joints.units.radians_per_angle(),
-        variable: &find,
-    };
+    let scope = Scope { radians_per_angle: joints.units.radians_per_angle(), variable: &find };
     let mut sides = [left, right].map(|side| match evaluate_part(text, side.clone(), &scope) {
         Ok(value) => Some(value),
         Err(diagnostic) => {
@@ -159,7 +114,7 @@ fn difference(
     };
     let mut value = value;
     value.add(&other, -1.0);
-    let form = form(text, &value, joints, diagnostics)?;
+    let form = Form::of(text, &value, joints, diagnostics)?;
     if form.of_angles {
         for side in [left, right] {
             let written = text.value.get(side.clone()).unwrap_or("");
@@ -195,32 +150,23 @@ fn variable(name: &str, span: Span, joints: &Joints) -> Result<usize, Box<Diagno
     if let (Some((letter, number)), Some(named)) = (numbered, named)
         && !(letter == "q" && number == named + 1)
     {
-        let message = format!(
-            "`{name}` is both {letter} of joint {number} and the name of joint {}",
-            named + 1
-        );
+        let message =
+            format!("`{name}` is both {letter} of joint {number} and the name of joint {}", named + 1);
         let ambiguous = Diagnostic::error(catalogue::UNKNOWN_VARIABLE, message)
             .at(span, "")
             .help(format!("give joint {} another name", named + 1));
         return Err(Box::new(ambiguous));
     }
-    let Some((letter, index)) = numbered
-        .map(|(letter, number)| (letter, number - 1))
-        .or(named.map(|row| ("q", row)))
+    let Some((letter, index)) =
+        numbered.map(|(letter, number)| (letter, number - 1)).or(named.map(|row| ("q", row)))
     else {
         return Err(Box::new(unknown_variable(name, span, rows)));
     };
     let Some(row) = rows.get(index) else {
-        let message = format!(
-            "`{name}`: there is no joint {}, the table has {}",
-            index + 1,
-            rows.len()
-        );
+        let message = format!("`{name}`: there is no joint {}, the table has {}", index + 1, rows.len());
         let help = "joints are numbered from 1 by their rows, held ones included";
         return Err(Box::new(
-            Diagnostic::error(catalogue::UNKNOWN_VARIABLE, message)
-                .at(span, "")
-                .help(help),
+            Diagnostic::error(catalogue::UNKNOWN_VARIABLE, message).at(span, "").help(help),
         ));
     };
     match (letter, row.kind, row.variable) {
@@ -228,21 +174,13 @@ fn variable(name: &str, span: Span, joints: &Joints) -> Result<usize, Box<Diagno
         ("q", _, None) => Err(Box::new(names::held(row, name, span))),
         ("theta", JointKind::Revolute, _) | ("d", JointKind::Prismatic, _) => Ok(index),
         (_, kind, _) => {
-            let (kind, right) = if kind == JointKind::Revolute {
-                ("revolute", "theta")
-            } else {
-                ("prismatic", "d")
-            };
+            let (kind, right) =
+                if kind == JointKind::Revolute { ("revolute", "theta") } else { ("prismatic", "d") };
             let number = index + 1;
-            let message = format!(
-                "`{name}` is fixed: joint {number} is {kind}, so what varies is {right}{number}"
-            );
+            let message =
+                format!("`{name}` is fixed: joint {number} is {kind}, so what varies is {right}{number}");
             let help = format!("write `{right}{number}`");
-            Err(Box::new(
-                Diagnostic::error(catalogue::UNKNOWN_VARIABLE, message)
-                    .at(span, "")
-                    .help(help),
-            ))
+            Err(Box::new(Diagnostic::error(catalogue::UNKNOWN_VARIABLE, message).at(span, "").help(help)))
         }
     }
 }
@@ -256,138 +194,13 @@ fn unknown_variable(name: &str, span: Span, rows: &[Row]) -> Diagnostic {
         .chain(rows.iter().map(|row| row.name.clone()))
         .chain(["pi".to_owned()])
         .collect();
-    let diagnostic = Diagnostic::error(
-        catalogue::UNKNOWN_VARIABLE,
-        format!("`{}` is no variable", shortened(name)),
-    )
-    .at(span, "");
+    let diagnostic =
+        Diagnostic::error(catalogue::UNKNOWN_VARIABLE, format!("`{}` is no variable", shortened(name)))
+            .at(span, "");
     match nearest(name, known.iter().map(String::as_str)) {
         Some(near) => diagnostic.help(format!("write `{near}`")),
-        None => diagnostic.help("variables are theta1, theta2, ... (d1, ... of prismatic joints), q1, q2, ... and joint names"),
+        None => diagnostic.help(
+            "variables are theta1, theta2, ... (d1, ... of prismatic joints), q1, q2, ... and joint names",
+        ),
     }
-}
-
-/// A value in both kinds of variables as a form in each.
-fn form(
-    text: &Text,
-    value: &Value,
-    joints: &Joints,
-    diagnostics: &mut Diagnostics,
-) -> Option<Form> {
-    let rows = joints.rows;
-    let row_of = |variable: usize| match variable.checked_sub(rows.len()) {
-        None => Some(variable),
-        Some(q) => joints.joints.get(q).copied(),
-    };
-    let kinds: Vec<JointKind> = value
-        .terms
-        .keys()
-        .filter_map(|variable| rows.get(row_of(*variable)?))
-        .map(|row| row.kind)
-        .collect();
-    let lengths =
-        kinds.contains(&JointKind::Prismatic) || (kinds.is_empty() && value.length.is_some());
-    let angles =
-        kinds.contains(&JointKind::Revolute) || (kinds.is_empty() && value.angle.is_some());
-    let bare = value.bare.filter(|bare| *bare != 0.0);
-    let other = if lengths { value.angle } else { value.length };
-    if (lengths && angles) || other.is_some_and(|other| other != 0.0) {
-        let message = "an angle and a length are added";
-        let help = "theta and q of revolute joints are angles, d and q of prismatic ones lengths";
-        diagnostics.push(
-            Diagnostic::error(catalogue::WRONG_UNIT, message)
-                .at(text.span.clone(), "")
-                .help(help),
-        );
-        return None;
-    }
-    let written = if lengths { value.length } else { value.angle };
-    if bare.is_some() && written.is_some_and(|written| written != 0.0) {
-        diagnostics.push(mixed_units(text));
-        return None;
-    }
-    let exact_or_not = |value: f64| {
-        if lengths {
-            Angle {
-                value,
-                fifteenths: (value == 0.0).then_some(0),
-            }
-        } else {
-            Angle::from_radians(value)
-        }
-    };
-    let mut constant = match bare {
-        Some(bare) if lengths => exact_or_not(joints.units.length_of(bare)),
-        Some(bare) => joints.units.angle_of(bare),
-        None => exact_or_not(written.unwrap_or(0.0)),
-    };
-
-    let size = joints.joints.len();
-    let mut in_q = (vec![0.0; size], constant.value);
-    let mut terms: BTreeMap<usize, f64> = BTreeMap::new();
-    let at_zero = |row: &Row| {
-        if row.kind == JointKind::Revolute {
-            row.theta
-        } else {
-            exact_or_not(row.d)
-        }
-    };
-    let sum = |one: Angle, two: Angle| {
-        if lengths {
-            exact_or_not(one.value + two.value)
-        } else {
-            one.plus(two)
-        }
-    };
-    let product = |angle: Angle, factor: f64| {
-        if lengths {
-            exact_or_not(angle.value * factor)
-        } else {
-            angle.times(factor)
-        }
-    };
-    for (&variable, &coefficient) in &value.terms {
-        if let Some(q) = variable.checked_sub(rows.len()) {
-            // q = inverse * (theta - theta at zero)
-            if let Some(entry) = in_q.0.get_mut(q) {
-                *entry += coefficient;
-            }
-            for (&inverse, &index) in joints.inverse.get(q)?.iter().zip(joints.joints) {
-                if inverse != 0.0 {
-                    *terms.entry(index).or_insert(0.0) += coefficient * inverse;
-                    constant = sum(
-                        constant,
-                        product(at_zero(rows.get(index)?), -coefficient * inverse),
-                    );
-                }
-            }
-        } else {
-            let row = rows.get(variable)?;
-            for (entry, moves) in in_q.0.iter_mut().zip(topology::coefficients(row, size)) {
-                *entry += coefficient * moves;
-            }
-            in_q.1 += coefficient * at_zero(row).value;
-            if row.terms.is_empty() {
-                constant = sum(constant, product(at_zero(row), coefficient));
-            } else {
-                *terms.entry(variable).or_insert(0.0) += coefficient;
-            }
-        }
-    }
-    let largest = value
-        .terms
-        .values()
-        .fold(0.0_f64, |largest, value| largest.max(value.abs()));
-    terms.retain(|_, coefficient| coefficient.abs() > 1e-12 * largest);
-    let linear = Linear {
-        terms: terms.into_iter().collect(),
-        constant,
-        text: text.value.clone(),
-        span: text.span.clone(),
-    };
-    Some(Form {
-        linear,
-        in_q,
-        of_angles: !lengths,
-    })
 }

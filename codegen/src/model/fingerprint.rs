@@ -22,11 +22,9 @@ pub(super) fn of(model: &Model) -> u64 {
         hash.value(bound.value);
     });
     hash.list(&model.workspace.keep_out, |hash, forbidden| {
-        forbidden
-            .min
-            .iter()
-            .chain(&forbidden.max)
-            .for_each(|value| hash.value(*value));
+        for value in forbidden.min.iter().chain(&forbidden.max) {
+            hash.value(*value);
+        }
     });
     hash.list(&model.sums, |hash, sum| {
         hash.terms(&sum.terms);
@@ -106,13 +104,7 @@ impl Hash {
             JointKind::Revolute => 1,
             JointKind::Prismatic => 2,
         });
-        for value in [
-            row.d,
-            row.a,
-            row.alpha.value,
-            row.beta.value,
-            row.theta.value,
-        ] {
+        for value in [row.d, row.a, row.alpha.value, row.beta.value, row.theta.value] {
             self.value(value);
         }
         self.terms(&row.terms);
@@ -142,14 +134,16 @@ impl Hash {
     }
 
     fn placement(&mut self, placement: &Placement) {
-        placement.xyz.iter().for_each(|value| self.value(*value));
+        for value in placement.xyz {
+            self.value(value);
+        }
         match &placement.rotation {
             Rotation::Rpy(angles) => {
-                self.list(angles, |hash, angle: &Angle| hash.value(angle.value))
+                self.list(angles, |hash, angle: &Angle| hash.value(angle.value));
             }
-            Rotation::Matrix(rows) => self.list(rows, |hash, row| {
-                row.iter().for_each(|value| hash.value(*value))
-            }),
+            Rotation::Matrix(rows) => {
+                self.list(rows.as_flattened(), |hash, value| hash.value(*value));
+            }
         }
     }
 

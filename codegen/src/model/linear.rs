@@ -40,19 +40,13 @@ impl System {
 
     /// Adds an equation: sum of coefficient * variable = constant. `number` is what it is called by.
     pub(super) fn add(&mut self, number: usize, coefficients: &[f64], constant: f64) -> Added {
-        let size = coefficients
-            .iter()
-            .fold(0.0_f64, |size, value| size.max(value.abs()));
+        let size = coefficients.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
         let mut new = Equation {
             coefficients: coefficients
                 .iter()
                 .map(|value| if size > 0.0 { value / size } else { 0.0 })
                 .collect(),
-            constant: if size > 0.0 {
-                constant / size
-            } else {
-                constant
-            },
+            constant: if size > 0.0 { constant / size } else { constant },
             made_of: vec![number],
             leading: 0,
         };
@@ -103,18 +97,9 @@ mod tests {
         assert_eq!(system.add(1, &[0.0, 1.0, -2.0], 1.0), Added::Independent);
         assert_eq!(
             system.add(2, &[2.0, 4.0, -4.0], 8.0),
-            Added::Dependent {
-                difference: 0.0,
-                on: vec![0, 1]
-            }
+            Added::Dependent { difference: 0.0, on: vec![0, 1] }
         );
-        assert_eq!(
-            system.add(3, &[2.0, 2.0, 0.0], 7.0),
-            Added::Dependent {
-                difference: 1.0,
-                on: vec![0]
-            }
-        );
+        assert_eq!(system.add(3, &[2.0, 2.0, 0.0], 7.0), Added::Dependent { difference: 1.0, on: vec![0] });
         assert_eq!(system.add(4, &[0.0, 0.0, 0.5], 1.0), Added::Independent);
         assert_eq!(system.rank(), 3);
     }

@@ -1,6 +1,7 @@
 //! `[[ik]]`: inverse problems, their constraints, and whether they come out even.
 
-use super::constraint::{Form, Joints, equation, inequality, says_nothing};
+use super::constraint::{Joints, equation, inequality, says_nothing};
+use super::form::Form;
 use super::linear::{Added, System};
 use super::quantity::word;
 use super::{Problem, Target, names};
@@ -9,9 +10,7 @@ use crate::table::{self, Text};
 use core::f64::consts::TAU;
 
 /// Names of functions that an arm has besides its problems', after `ik_`.
-const RESERVED: [&str; 9] = [
-    "all", "batch", "track", "free", "at", "sweep", "nearest", "into", "within",
-];
+const RESERVED: [&str; 9] = ["all", "batch", "track", "free", "at", "sweep", "nearest", "into", "within"];
 
 /// Constants that differ by less than this are equal (rad or m).
 const EQUAL: f64 = 1e-9;
@@ -43,10 +42,7 @@ impl Target {
 
     /// As written in tables.
     pub fn name(self) -> &'static str {
-        TARGETS
-            .iter()
-            .find(|(_, target)| *target == self)
-            .map_or("", |(name, _)| name)
+        TARGETS.iter().find(|(_, target)| *target == self).map_or("", |(name, _)| name)
     }
 }
 
@@ -54,18 +50,14 @@ impl Target {
 pub(super) fn problem(
     written: &table::Problem,
     joints: Option<&Joints>,
-    units_and_words: &mut Diagnostics,
+    diagnostics: &mut Diagnostics,
 ) -> Option<Problem> {
-    let diagnostics = units_and_words;
-    let target = written
-        .target
-        .as_ref()
-        .and_then(|text| word(text, "target", &TARGETS, diagnostics));
+    let target = written.target.as_ref().and_then(|text| word(text, "target", &TARGETS, diagnostics));
     if let Some(name) = &written.name {
         name_makes_a_function(name, target, diagnostics);
     }
     let joints = joints?;
-    let before = diagnostics.len();
+    let before = diagnostics.errors();
     let mut system = System::default();
     let mut constraints = Vec::new();
     let mut read = Vec::new();
@@ -79,17 +71,13 @@ pub(super) fn problem(
             constraints.push(form.linear);
         }
     }
-    let filters = written
-        .filters
-        .iter()
-        .filter_map(|text| inequality(text, joints, diagnostics))
-        .collect();
+    let filters = written.filters.iter().filter_map(|text| inequality(text, joints, diagnostics)).collect();
     let mut free = Vec::new();
     for name in &written.free {
         let Some(variable) = names::variable(joints.rows, name, diagnostics) else {
             continue;
         };
-        let mut alone = vec![0.0; joints.joints.len()];
+        let mut alone = vec![0.0; joints.moving.len()];
         if let Some(entry) = alone.get_mut(variable) {
             *entry = 1.0;
         }
@@ -99,17 +87,14 @@ pub(super) fn problem(
             diagnostics.push(
                 Diagnostic::error(
                     catalogue::REDUNDANT,
-                    format!(
-                        "`{}` cannot be left to the caller: it is held already",
-                        shortened(&name.value)
-                    ),
+                    format!("`{}` cannot be left to the caller: it is held already", shortened(&name.value)),
                 )
                 .at(name.span.clone(), "")
                 .help("leave it out of `free`"),
             );
         }
     }
-    let sound = written.complete && diagnostics.len() == before;
+    let sound = written.complete && diagnostics.errors() == before;
     if let Some(target) = target.filter(|_| sound) {
         comes_out_even(written, target, joints, system.rank(), diagnostics);
     }
@@ -133,19 +118,13 @@ fn takes_an_unknown_away(
     diagnostics: &mut Diagnostics,
 ) -> bool {
     let (coefficients, constant) = &form.in_q;
-    if coefficients
-        .iter()
-        .all(|coefficient| coefficient.abs() < EQUAL)
-    {
+    if coefficients.iter().all(|coefficient| coefficient.abs() < EQUAL) {
         diagnostics.push(if constant.abs() < EQUAL {
             says_nothing(text)
         } else {
-            Diagnostic::error(
-                catalogue::NO_SOLUTION,
-                "no joint is left in it, and what is left is not true",
-            )
-            .at(text.span.clone(), "")
-            .help("leave it out, or write what is meant")
+            Diagnostic::error(catalogue::NO_SOLUTION, "no joint is left in it, and what is left is not true")
+                .at(text.span.clone(), "")
+                .help("leave it out, or write what is meant")
         });
         return false;
     }
@@ -156,24 +135,15 @@ fn takes_an_unknown_away(
     let same = difference.abs() < EQUAL;
     let same_but_for_turns = form.of_angles && (turns - libm::round(turns)).abs() < EQUAL;
     let mut diagnostic = if same || same_but_for_turns {
-        let what = if same {
-            "it says what follows from the others"
-        } else {
-            "it says what follows from the others, but for whole turns"
-        };
-        Diagnostic::error(
-            catalogue::REDUNDANT,
-            format!("{what}, so it takes no unknown away"),
-        )
-        .at(text.span.clone(), "")
-        .help("leave it out")
+        let turns = if same { "" } else { ", but for whole turns" };
+        let message =
+            format!("the constraint follows from those beside it{turns}, so it takes no unknown away");
+        Diagnostic::error(catalogue::REDUNDANT, message).at(text.span.clone(), "").help("leave it out")
     } else {
-        Diagnostic::error(
-            catalogue::CONTRADICTION,
-            "it cannot hold together with the others",
-        )
-        .at(text.span.clone(), "")
-        .help("leave one of them out")
+        let message = "the constraint contradicts those beside it: they cannot hold together";
+        Diagnostic::error(catalogue::CONTRADICTION, message)
+            .at(text.span.clone(), "")
+            .help("leave one of them out")
     };
     for other in on.iter().filter_map(|other| read.get(*other)) {
         diagnostic = diagnostic.beside(other.span.clone(), "");
@@ -190,18 +160,14 @@ fn comes_out_even(
     taken: usize,
     diagnostics: &mut Diagnostics,
 ) {
-    let moving = joints.joints.len();
+    let moving = joints.moving.len();
     let unknowns = moving.saturating_sub(taken);
     let rows = target.rows();
     if unknowns == rows || (target == Target::Pose && unknowns < rows && unknowns > 0) {
         return;
     }
     let count = |count: usize, noun: &str| {
-        if count == 1 {
-            format!("1 {noun}")
-        } else {
-            format!("{count} {noun}s")
-        }
+        if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
     };
     let free = written.free.len();
     let mut reasons = vec![format!("{} that move", count(moving, "joint"))];
@@ -218,10 +184,7 @@ fn comes_out_even(
         target.name(),
         count(rows, "row"),
     );
-    let at = written
-        .target
-        .as_ref()
-        .map_or_else(|| written.span.clone(), |target| target.span.clone());
+    let at = written.target.as_ref().map_or_else(|| written.span.clone(), |target| target.span.clone());
     let diagnostic = Diagnostic::error(catalogue::UNEVEN, message).at(at, "");
     let help = if unknowns > rows {
         let more = unknowns - rows;
@@ -232,11 +195,8 @@ fn comes_out_even(
             last_joint(joints)
         )
     } else if taken == 0 {
-        let fitting: Vec<&str> = TARGETS
-            .iter()
-            .filter(|(_, other)| other.rows() == unknowns)
-            .map(|(name, _)| *name)
-            .collect();
+        let fitting: Vec<&str> =
+            TARGETS.iter().filter(|(_, other)| other.rows() == unknowns).map(|(name, _)| *name).collect();
         if fitting.is_empty() {
             "the arm has too few joints for it: leave the problem out".to_owned()
         } else {
@@ -246,54 +206,37 @@ fn comes_out_even(
                 fitting.join(", ")
             )
         }
+    } else if written.constraints.is_empty() {
+        format!("leave {} out of `free`", count((rows - unknowns).min(free), "joint"))
     } else {
-        format!(
-            "leave out {}",
-            count((rows - unknowns).min(taken), "constraint")
-        )
+        let choice = if free > 0 { ", or joints out of `free`" } else { "" };
+        format!("leave out {}{choice}", count((rows - unknowns).min(taken), "constraint"))
     };
     diagnostics.push(diagnostic.help(help));
 }
 
 fn last_joint<'a>(joints: &'a Joints) -> &'a str {
-    joints
-        .joints
-        .last()
-        .and_then(|row| joints.rows.get(*row))
-        .map_or("", |row| &row.name)
+    joints.moving.last().and_then(|row| joints.rows.get(*row)).map_or("", |row| &row.name)
 }
 
 /// The name can be part of `ik_NAME`, and `ik_NAME` is no other function.
 fn name_makes_a_function(name: &Text, target: Option<Target>, diagnostics: &mut Diagnostics) {
     let letters = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let value = name.value.as_str();
-    if value.is_empty()
-        || !value.chars().all(letters)
-        || value.starts_with(|c: char| c.is_ascii_digit())
-    {
-        let mended: String = value
-            .to_lowercase()
-            .chars()
-            .map(|c| if letters(c) { c } else { '_' })
-            .collect();
-        let mended = mended
-            .trim_start_matches(|c: char| c.is_ascii_digit() || c == '_')
-            .trim_end_matches('_');
-        let mended = if mended.is_empty() {
-            "tool_down"
-        } else {
-            mended
-        };
+    if value.is_empty() || !value.chars().all(letters) || value.starts_with(|c: char| c.is_ascii_digit()) {
+        let mended: String = value.to_lowercase().chars().map(|c| if letters(c) { c } else { '_' }).collect();
+        let words: Vec<&str> = mended.split('_').filter(|word| !word.is_empty()).collect();
+        let mended = words.join("_");
+        let mended =
+            if mended.starts_with(|c: char| c.is_ascii_digit()) { format!("_{mended}") } else { mended };
+        let mended = if mended.is_empty() { "tool_down".to_owned() } else { mended };
         diagnostics.push(
             Diagnostic::error(
                 catalogue::BAD_NAME,
                 format!("`{}` cannot be part of a function's name", shortened(value)),
             )
             .at(name.span.clone(), "")
-            .help(format!(
-                "write letters, digits and underscores, such as `\"{}\"`",
-                shortened(mended)
-            )),
+            .help(format!("write letters, digits and underscores, such as `\"{}\"`", shortened(&mended))),
         );
         return;
     }

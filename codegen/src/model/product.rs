@@ -75,10 +75,7 @@ impl<T: Number> Transform<T> {
 
     /// Along x, y, z.
     fn translation(along: [T; 3]) -> Self {
-        Transform {
-            translation: along,
-            ..Self::identity()
-        }
+        Transform { translation: along, ..Self::identity() }
     }
 
     /// About x, y or z, for `axis` 0, 1, 2.
@@ -86,26 +83,11 @@ impl<T: Number> Transform<T> {
         let (sine, cosine) = T::sin_cos(angle, added);
         let (one, zero) = (T::of(1.0), T::of(0.0));
         let rotation = match axis {
-            0 => [
-                [one, zero, zero],
-                [zero, cosine, -sine],
-                [zero, sine, cosine],
-            ],
-            1 => [
-                [cosine, zero, sine],
-                [zero, one, zero],
-                [-sine, zero, cosine],
-            ],
-            _ => [
-                [cosine, -sine, zero],
-                [sine, cosine, zero],
-                [zero, zero, one],
-            ],
+            0 => [[one, zero, zero], [zero, cosine, -sine], [zero, sine, cosine]],
+            1 => [[cosine, zero, sine], [zero, one, zero], [-sine, zero, cosine]],
+            _ => [[cosine, -sine, zero], [sine, cosine, zero], [zero, zero, one]],
         };
-        Transform {
-            rotation,
-            ..Self::identity()
-        }
+        Transform { rotation, ..Self::identity() }
     }
 
     fn fixed(axis: usize, angle: Angle) -> Self {
@@ -115,14 +97,10 @@ impl<T: Number> Transform<T> {
     fn then(&self, next: &Self) -> Self {
         let turned = |[x, y, z]: [T; 3]| self.rotation.map(|[r1, r2, r3]| r1 * x + r2 * y + r3 * z);
         let [[a, b, c], [d, e, f], [g, h, i]] = next.rotation;
-        let [[a, d, g], [b, e, h], [c, f, i]] =
-            [turned([a, d, g]), turned([b, e, h]), turned([c, f, i])];
+        let [[a, d, g], [b, e, h], [c, f, i]] = [turned([a, d, g]), turned([b, e, h]), turned([c, f, i])];
         let [x, y, z] = turned(next.translation);
         let [px, py, pz] = self.translation;
-        Transform {
-            rotation: [[a, b, c], [d, e, f], [g, h, i]],
-            translation: [px + x, py + y, pz + z],
-        }
+        Transform { rotation: [[a, b, c], [d, e, f], [g, h, i]], translation: [px + x, py + y, pz + z] }
     }
 
     fn matrix(&self) -> Matrix {
@@ -146,10 +124,7 @@ fn product<T: Number>(model: &Model, q: &[f64]) -> Frames {
         };
         rows.push(frame.matrix());
     }
-    Frames {
-        rows,
-        tool: frame.then(&placement(&model.tool)).matrix(),
-    }
+    Frames { rows, tool: frame.then(&placement(&model.tool)).matrix() }
 }
 
 /// Rz(theta) Tz(d) of a row at `q`.
@@ -164,23 +139,18 @@ fn joint<T: Number>(row: &Row, q: &[f64]) -> Transform<T> {
         JointKind::Prismatic => (T::of(0.0), varies),
     };
     let zero = T::of(0.0);
-    Transform::rotation(2, row.theta, turn).then(&Transform::translation([
-        zero,
-        zero,
-        T::of(row.d) + slide,
-    ]))
+    Transform::rotation(2, row.theta, turn).then(&Transform::translation([zero, zero, T::of(row.d) + slide]))
 }
 
 fn placement<T: Number>(placement: &Placement) -> Transform<T> {
     let along = Transform::translation(placement.xyz.map(T::of));
     let turn = match &placement.rotation {
-        Rotation::Rpy([roll, pitch, yaw]) => Transform::fixed(2, *yaw)
-            .then(&Transform::fixed(1, *pitch))
-            .then(&Transform::fixed(0, *roll)),
-        Rotation::Matrix(rows) => Transform {
-            rotation: rows.map(|row| row.map(T::of)),
-            translation: [T::of(0.0); 3],
-        },
+        Rotation::Rpy([roll, pitch, yaw]) => {
+            Transform::fixed(2, *yaw).then(&Transform::fixed(1, *pitch)).then(&Transform::fixed(0, *roll))
+        }
+        Rotation::Matrix(rows) => {
+            Transform { rotation: rows.map(|row| row.map(T::of)), translation: [T::of(0.0); 3] }
+        }
     };
     along.then(&turn)
 }

@@ -67,19 +67,9 @@ impl Converter<'_> {
     /// A length (m).
     pub(super) fn length(&mut self, number: &Number) -> Option<f64> {
         match self.value(number)? {
-            Value {
-                length: Some(length),
-                angle: None,
-                bare: None | Some(0.0),
-                ..
-            } => Some(length),
-            Value {
-                length: None,
-                angle: None,
-                bare,
-                ..
-            } => Some(self.units.length_of(bare.unwrap_or(0.0))),
-            value => self.refuse(&value, number, Wanted::Length),
+            Value { length: Some(length), angle: None, bare: None | Some(0.0), .. } => Some(length),
+            Value { length: None, angle: None, bare, .. } => Some(self.units.length_of(bare.unwrap_or(0.0))),
+            value => self.refuse(&value, number, &Wanted::Length),
         }
     }
 
@@ -94,19 +84,11 @@ impl Converter<'_> {
 
     fn quantity_of_angle(&mut self, number: &Number) -> Option<Angle> {
         match self.value(number)? {
-            Value {
-                angle: Some(angle),
-                length: None,
-                bare: None | Some(0.0),
-                ..
-            } => Some(Angle::from_radians(angle)),
-            Value {
-                angle: None,
-                length: None,
-                bare,
-                ..
-            } => Some(self.units.angle_of(bare.unwrap_or(0.0))),
-            value => self.refuse(&value, number, Wanted::Angle),
+            Value { angle: Some(angle), length: None, bare: None | Some(0.0), .. } => {
+                Some(Angle::from_radians(angle))
+            }
+            Value { angle: None, length: None, bare, .. } => Some(self.units.angle_of(bare.unwrap_or(0.0))),
+            value => self.refuse(&value, number, &Wanted::Angle),
         }
     }
 
@@ -115,7 +97,7 @@ impl Converter<'_> {
         let value = self.value(number)?;
         match value.only_bare() {
             Some(bare) => Some(bare),
-            None => self.refuse(&value, number, Wanted::Plain),
+            None => self.refuse(&value, number, &Wanted::Plain),
         }
     }
 
@@ -129,9 +111,7 @@ impl Converter<'_> {
 
     /// Two values of a joint variable.
     pub(super) fn joint_limits(&mut self, numbers: &Numbers, kind: JointKind) -> Option<Limits> {
-        self.limits(numbers, |converter, number| {
-            converter.joint_value(number, kind)
-        })
+        self.limits(numbers, |converter, number| converter.joint_value(number, kind))
     }
 
     /// Least and greatest value, in this order.
@@ -144,18 +124,12 @@ impl Converter<'_> {
             return None;
         };
         let (least, greatest) = (convert(self, min), convert(self, max));
-        let limits = Limits {
-            min: least?,
-            max: greatest?,
-        };
+        let limits = Limits { min: least?, max: greatest? };
         if limits.min > limits.max {
             self.diagnostics.push(
-                Diagnostic::error(
-                    catalogue::LIMITS_ORDER,
-                    "the lower limit is above the upper one",
-                )
-                .at(numbers.span.clone(), "")
-                .help(format!("write `[{}, {}]`", written(max), written(min))),
+                Diagnostic::error(catalogue::LIMITS_ORDER, "the lower limit is above the upper one")
+                    .at(numbers.span.clone(), "")
+                    .help(format!("write `[{}, {}]`", written(max), written(min))),
             );
             return None;
         }
@@ -172,22 +146,16 @@ impl Converter<'_> {
             return Some(rate);
         }
         self.diagnostics.push(
-            Diagnostic::error(
-                catalogue::WRONG_VALUE,
-                format!("`{key}` has to be greater than 0"),
-            )
-            .at(number.span(), "")
-            .help(format!("leave `{key}` out if there is none")),
+            Diagnostic::error(catalogue::WRONG_VALUE, format!("`{key}` has to be greater than 0"))
+                .at(number.span(), "")
+                .help(format!("leave `{key}` out if there is none")),
         );
         None
     }
 
     fn value(&mut self, number: &Number) -> Option<Value> {
         match number {
-            Number::Literal { value, .. } => Some(Value {
-                bare: Some(*value),
-                ..Value::default()
-            }),
+            Number::Literal { value, .. } => Some(Value { bare: Some(*value), ..Value::default() }),
             Number::Expression(text) => {
                 match evaluate(text, &Scope::of_numbers(self.units.radians_per_angle())) {
                     Ok(value) => Some(value),
@@ -200,9 +168,15 @@ impl Converter<'_> {
         }
     }
 
-    fn refuse<T>(&mut self, value: &Value, number: &Number, wanted: Wanted) -> Option<T> {
+    fn refuse<T>(&mut self, value: &Value, number: &Number, wanted: &Wanted) -> Option<T> {
+        // Where a number with the right unit is added to one without any, the one without is the mistake.
+        let right = match wanted {
+            Wanted::Length => value.length.is_some() && value.angle.is_none(),
+            Wanted::Angle => value.angle.is_some() && value.length.is_none(),
+            Wanted::Plain => false,
+        };
         if let Number::Expression(text) = number
-            && value.bare.is_some_and(|bare| bare != 0.0)
+            && right
         {
             self.diagnostics.push(mixed_units(text));
             return None;
@@ -213,23 +187,14 @@ impl Converter<'_> {
             _ => "a length",
         };
         let (wanted, example) = match wanted {
-            Wanted::Length => (
-                "a length",
-                "\"140 mm\", \"0.14 m\" or a number in the table's unit",
-            ),
-            Wanted::Angle => (
-                "an angle",
-                "\"90 deg\", \"pi/2\" or a number in the table's unit",
-            ),
+            Wanted::Length => ("a length", "\"140 mm\", \"0.14 m\" or a number in the table's unit"),
+            Wanted::Angle => ("an angle", "\"90 deg\", \"pi/2\" or a number in the table's unit"),
             Wanted::Plain => ("a number without a unit", "a plain number"),
         };
         self.diagnostics.push(
-            Diagnostic::error(
-                catalogue::WRONG_UNIT,
-                format!("{wanted} is wanted here, and this is {found}"),
-            )
-            .at(number.span(), "")
-            .help(format!("write {example}")),
+            Diagnostic::error(catalogue::WRONG_UNIT, format!("{wanted} is wanted here, and this is {found}"))
+                .at(number.span(), "")
+                .help(format!("write {example}")),
         );
         None
     }
@@ -237,9 +202,7 @@ impl Converter<'_> {
     /// The warning for a literal that is a multiple of 15 degrees rounded to its own digits.
     fn rounded(&self, number: &Number, angle: Angle) -> Option<Diagnostic> {
         let (digits, in_radians) = match number {
-            Number::Literal { digits, .. } => {
-                (digits.as_str(), self.units.angle == AngleUnit::Radian)
-            }
+            Number::Literal { digits, .. } => (digits.as_str(), self.units.angle == AngleUnit::Radian),
             Number::Expression(text) => literal_of(&text.value, self.units)?,
         };
         rounded_angle(digits, in_radians, angle, number.span())
@@ -251,19 +214,14 @@ pub(super) fn literal_of(text: &str, units: Units) -> Option<(&str, bool)> {
     let text = text.trim();
     match text.strip_suffix("rad") {
         Some(number) => Some((number.trim(), true)),
-        None => text
-            .ends_with(|c: char| c.is_ascii_digit())
-            .then_some((text, units.angle == AngleUnit::Radian)),
+        None => {
+            text.ends_with(|c: char| c.is_ascii_digit()).then_some((text, units.angle == AngleUnit::Radian))
+        }
     }
 }
 
 /// What a rounded multiple of 15 degrees is to be written as, if the digits are one.
-pub(super) fn rounded_angle(
-    digits: &str,
-    in_radians: bool,
-    angle: Angle,
-    span: Span,
-) -> Option<Diagnostic> {
+pub(super) fn rounded_angle(digits: &str, in_radians: bool, angle: Angle, span: Span) -> Option<Diagnostic> {
     if !in_radians || angle.fifteenths.is_some() {
         return None;
     }
@@ -274,17 +232,9 @@ pub(super) fn rounded_angle(
         return None;
     }
     let nearest = Angle::from_fifteenths(libm::round(angle.value / (PI / 12.0)) as i32);
-    let significant = unsigned
-        .trim_start_matches(['0', '.'])
-        .bytes()
-        .filter(u8::is_ascii_digit)
-        .count();
+    let significant = unsigned.trim_start_matches(['0', '.']).bytes().filter(u8::is_ascii_digit).count();
     // Three digits are few: only quarter turns are so common that 1.57 is no accident.
-    let needed = if nearest.fifteenths.is_some_and(|count| count % 6 == 0) {
-        3
-    } else {
-        4
-    };
+    let needed = if nearest.fifteenths.is_some_and(|count| count % 6 == 0) { 3 } else { 4 };
     if significant < needed || nearest.is_zero() {
         return None;
     }
@@ -305,22 +255,11 @@ pub(super) fn rounded_angle(
 
 /// "pi/2", "-3*pi/4".
 fn fraction_of_pi(fifteenths: i32) -> String {
-    let divisor = (1..=12)
-        .rev()
-        .find(|divisor| 12 % divisor == 0 && fifteenths % divisor == 0)
-        .unwrap_or(1);
+    let divisor = (1..=12).rev().find(|divisor| 12 % divisor == 0 && fifteenths % divisor == 0).unwrap_or(1);
     let (above, below) = ((fifteenths / divisor).abs(), 12 / divisor);
     let sign = if fifteenths < 0 { "-" } else { "" };
-    let above = if above == 1 {
-        "pi".to_owned()
-    } else {
-        format!("{above}*pi")
-    };
-    if below == 1 {
-        format!("{sign}{above}")
-    } else {
-        format!("{sign}{above}/{below}")
-    }
+    let above = if above == 1 { "pi".to_owned() } else { format!("{above}*pi") };
+    if below == 1 { format!("{sign}{above}") } else { format!("{sign}{above}/{below}") }
 }
 
 /// What stands in the table for a number.
@@ -347,23 +286,14 @@ pub(super) fn word<T: Copy>(
     if let Some((_, meaning)) = known.iter().find(|(name, _)| *name == text.value) {
         return Some(*meaning);
     }
-    let names: Vec<String> = known
-        .iter()
-        .map(|(name, _)| format!("\"{name}\""))
-        .collect();
+    let names: Vec<String> = known.iter().map(|(name, _)| format!("\"{name}\"")).collect();
     let near = crate::diagnostic::nearest(&text.value, known.iter().map(|(name, _)| *name));
-    let message = format!(
-        "`{}` is no {what}",
-        crate::diagnostic::shortened(&text.value)
-    );
+    let message = format!("`{}` is no {what}", crate::diagnostic::shortened(&text.value));
     let help = match near {
         Some(near) => format!("write `\"{near}\"`"),
         None => format!("write one of {}", names.join(", ")),
     };
-    diagnostics.push(
-        Diagnostic::error(catalogue::UNKNOWN_WORD, message)
-            .at(text.span.clone(), "")
-            .help(help),
-    );
+    diagnostics
+        .push(Diagnostic::error(catalogue::UNKNOWN_WORD, message).at(text.span.clone(), "").help(help));
     None
 }

@@ -9,12 +9,7 @@ use crate::table::{Joint, Number, Table};
 pub(super) fn rows(table: &Table, converter: &mut Converter) -> Vec<Row> {
     let mut variables = 0;
     let mut rows: Vec<Row> = Vec::new();
-    for (index, joint) in table
-        .joints
-        .iter()
-        .enumerate()
-        .take(super::check::MOST_ROWS)
-    {
+    for (index, joint) in table.joints.iter().enumerate().take(super::check::MOST_ROWS) {
         let variable = joint.fixed.is_none().then_some(variables);
         variables += usize::from(variable.is_some());
         rows.push(row(index, joint, variable, converter));
@@ -27,10 +22,7 @@ pub(super) fn rows(table: &Table, converter: &mut Converter) -> Vec<Row> {
 }
 
 fn row(index: usize, joint: &Joint, variable: Option<usize>, converter: &mut Converter) -> Row {
-    let kinds = [
-        ("revolute", JointKind::Revolute),
-        ("prismatic", JointKind::Prismatic),
-    ];
+    let kinds = [("revolute", JointKind::Revolute), ("prismatic", JointKind::Prismatic)];
     let kind = match &joint.kind {
         Some(text) => word(text, "type of joint", &kinds, converter.diagnostics),
         None => Some(JointKind::Revolute),
@@ -42,10 +34,7 @@ fn row(index: usize, joint: &Joint, variable: Option<usize>, converter: &mut Con
     let kind = kind.unwrap_or(JointKind::Revolute);
     let direction = direction(joint, converter);
     let mut row = Row {
-        name: joint
-            .name
-            .as_ref()
-            .map_or_else(|| format!("J{}", index + 1), |name| name.value.clone()),
+        name: joint.name.as_ref().map_or_else(|| format!("J{}", index + 1), |name| name.value.clone()),
         kind,
         d: 0.0,
         a: length(joint.a.as_ref(), converter),
@@ -53,10 +42,7 @@ fn row(index: usize, joint: &Joint, variable: Option<usize>, converter: &mut Con
         beta: angle(joint.beta.as_ref(), converter),
         theta: Angle::ZERO,
         shift: 0.0,
-        terms: variable
-            .map(|variable| (variable, direction))
-            .into_iter()
-            .collect(),
+        terms: variable.map(|variable| (variable, direction)).into_iter().collect(),
         variable,
         limits: None,
         max_velocity: None,
@@ -82,40 +68,27 @@ fn row(index: usize, joint: &Joint, variable: Option<usize>, converter: &mut Con
                 + direction * length(joint.fixed.as_ref(), converter);
         }
     }
-    row.limits = joint
-        .limits
-        .as_ref()
-        .and_then(|limits| converter.joint_limits(limits, kind));
-    let mut rate = |number: &Option<Number>, key| {
-        number
-            .as_ref()
-            .and_then(|number| converter.rate(number, kind, key))
-    };
+    row.limits = joint.limits.as_ref().and_then(|limits| converter.joint_limits(limits, kind));
+    let mut rate =
+        |number: &Option<Number>, key| number.as_ref().and_then(|number| converter.rate(number, kind, key));
     row.max_velocity = rate(&joint.max_velocity, "max_velocity");
     row.max_acceleration = rate(&joint.max_acceleration, "max_acceleration");
     row.max_jerk = rate(&joint.max_jerk, "max_jerk");
-    row.servo = joint
-        .servo
-        .as_ref()
-        .map(|servo| servos::of_joint(servo, kind, converter));
+    row.servo = joint.servo.as_ref().map(|servo| servos::of_joint(servo, kind, converter));
     row
 }
 
 fn length(number: Option<&Number>, converter: &mut Converter) -> f64 {
-    number
-        .and_then(|number| converter.length(number))
-        .unwrap_or(0.0)
+    number.and_then(|number| converter.length(number)).unwrap_or(0.0)
 }
 
 fn angle(number: Option<&Number>, converter: &mut Converter) -> Angle {
-    number
-        .and_then(|number| converter.angle(number))
-        .unwrap_or(Angle::ZERO)
+    number.and_then(|number| converter.angle(number)).unwrap_or(Angle::ZERO)
 }
 
 /// A revolute joint has `d` and no `theta`, a prismatic one `theta` and no `d`.
 fn what_q_varies_is_not_given(joint: &Joint, kind: JointKind, converter: &mut Converter) {
-    let (key, span, number, held, varies) = match kind {
+    let (key, span, number, name, varies) = match kind {
         JointKind::Revolute => ("theta", &joint.theta_key, &joint.theta, "revolute", "turns"),
         JointKind::Prismatic => ("d", &joint.d_key, &joint.d, "prismatic", "moves"),
     };
@@ -124,13 +97,11 @@ fn what_q_varies_is_not_given(joint: &Joint, kind: JointKind, converter: &mut Co
     converter.diagnostics.push(
         Diagnostic::error(
             catalogue::WRONG_JOINT_TYPE,
-            format!("a {held} joint has no `{key}`: that is what its q {varies}"),
+            format!("a {name} joint has no `{key}`: that is what its q {varies}"),
         )
         .at(span.clone(), "")
         .help(format!("write `offset = {written}` for the {key} at q = 0"))
-        .help(format!(
-            "write `fixed = {written}` if the joint is held there"
-        )),
+        .help(format!("write `fixed = {written}` if the joint is held there")),
     );
 }
 
@@ -145,7 +116,9 @@ fn direction(joint: &Joint, converter: &mut Converter) -> f64 {
             converter.diagnostics.push(
                 Diagnostic::error(catalogue::WRONG_VALUE, "`direction` is 1 or -1")
                     .at(number.span(), "")
-                    .help("write `direction = -1` if the maker counts the other way round, else leave it out"),
+                    .help(
+                        "write `direction = -1` if the maker counts the other way round, else leave it out",
+                    ),
             );
             1.0
         }
@@ -175,10 +148,7 @@ fn couple(rows: &mut [Row], index: usize, joint: &Joint, converter: &mut Convert
         let Some(coefficient) = coefficient.filter(|value| *value != 0.0) else {
             continue;
         };
-        let other = rows
-            .iter()
-            .find(|row| row.variable == Some(variable))
-            .map_or(own.kind, |row| row.kind);
+        let other = rows.iter().find(|row| row.variable == Some(variable)).map_or(own.kind, |row| row.kind);
         let scale = if other == own.kind {
             1.0
         } else {

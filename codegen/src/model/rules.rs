@@ -12,14 +12,8 @@ pub(super) fn workspace(written: &table::Workspace, converter: &mut Converter) -
         let Some(value) = converter.length(number) else {
             continue;
         };
-        let bound = Bound {
-            axis: index / 2,
-            is_min: index % 2 == 0,
-            value,
-        };
-        let least = bounds
-            .last()
-            .filter(|least| least.axis == bound.axis && least.is_min && !bound.is_min);
+        let bound = Bound { axis: index / 2, is_min: index % 2 == 0, value };
+        let least = bounds.last().filter(|least| least.axis == bound.axis && least.is_min && !bound.is_min);
         if least.is_some_and(|least| least.value > value) {
             let least_key = BOUNDS.get(index.wrapping_sub(1)).copied().unwrap_or("");
             let key = BOUNDS.get(*index).copied().unwrap_or("");
@@ -34,26 +28,14 @@ pub(super) fn workspace(written: &table::Workspace, converter: &mut Converter) -
         }
         bounds.push(bound);
     }
-    let keep_out = written
-        .keep_out
-        .iter()
-        .filter_map(|forbidden| keep_out(forbidden, converter))
-        .collect();
+    let keep_out = written.keep_out.iter().filter_map(|forbidden| keep_out(forbidden, converter)).collect();
     Workspace { bounds, keep_out }
 }
 
 fn keep_out(forbidden: &table::KeepOut, converter: &mut Converter) -> Option<KeepOut> {
     let mut corner = |numbers: &table::Numbers| -> Option<[f64; 3]> {
-        let lengths: Vec<Option<f64>> = numbers
-            .value
-            .iter()
-            .map(|number| converter.length(number))
-            .collect();
-        lengths
-            .into_iter()
-            .collect::<Option<Vec<f64>>>()?
-            .try_into()
-            .ok()
+        let lengths: Vec<Option<f64>> = numbers.value.iter().map(|number| converter.length(number)).collect();
+        lengths.into_iter().collect::<Option<Vec<f64>>>()?.try_into().ok()
     };
     let (min, max) = (corner(&forbidden.min), corner(&forbidden.max));
     let (min, max) = (min?, max?);
@@ -124,16 +106,9 @@ pub(super) fn pose(
 ) -> Option<NamedPose> {
     if pose.q.value.len() != joints.len() {
         let held = rows.len() - joints.len();
-        let note = if held > 0 && pose.q.value.len() == rows.len() {
-            " (held joints have none)"
-        } else {
-            ""
-        };
-        let names: Vec<String> = joints
-            .iter()
-            .filter_map(|index| rows.get(*index))
-            .map(|row| shortened(&row.name))
-            .collect();
+        let note = if held > 0 && pose.q.value.len() == rows.len() { " (held joints have none)" } else { "" };
+        let names: Vec<String> =
+            joints.iter().filter_map(|index| rows.get(*index)).map(|row| shortened(&row.name)).collect();
         converter.diagnostics.push(
             Diagnostic::error(
                 catalogue::POSE_LENGTH,
@@ -154,21 +129,21 @@ pub(super) fn pose(
         .zip(&pose.q.value)
         .map(|(index, number)| converter.joint_value(number, rows.get(*index)?.kind))
         .collect();
+    let before = converter.diagnostics.errors();
     for ((index, number), value) in joints.iter().zip(&pose.q.value).zip(&values) {
         if let (Some(row), Some(value)) = (rows.get(*index), value) {
             inside_the_limits_of_its_joint(pose, row, number, *value, converter);
         }
     }
     let q: Vec<f64> = values.into_iter().collect::<Option<_>>()?;
+    // A joint outside its limits is one mistake, whatever it is added to.
+    let sums = if converter.diagnostics.errors() == before { sums } else { &[] };
     for sum in sums {
-        let value: f64 = sum
-            .terms
-            .iter()
-            .map(|(index, c)| c * q.get(*index).copied().unwrap_or(0.0))
-            .sum();
+        let value: f64 = sum.terms.iter().map(|(index, c)| c * q.get(*index).copied().unwrap_or(0.0)).sum();
         if is_outside(value, sum.range) {
+            // The arm refuses to go there whatever the table calls it, so this is a doubt and no mistake.
             converter.diagnostics.push(
-                Diagnostic::error(
+                Diagnostic::warning(
                     catalogue::POSE_OUTSIDE_LIMITS,
                     format!(
                         "the pose `{}` is outside a `[[limit]]` on a sum of joints",
@@ -180,11 +155,7 @@ pub(super) fn pose(
             );
         }
     }
-    Some(NamedPose {
-        name: pose.name.value.clone(),
-        q,
-        safe: pose.safe,
-    })
+    Some(NamedPose { name: pose.name.value.clone(), q, safe: pose.safe })
 }
 
 fn inside_the_limits_of_its_joint(
@@ -198,14 +169,8 @@ fn inside_the_limits_of_its_joint(
         return;
     };
     let (unit, name) = match row.kind {
-        JointKind::Revolute => (
-            converter.units.radians_per_angle(),
-            converter.units.angle_name(),
-        ),
-        JointKind::Prismatic => (
-            converter.units.per_unit(row.kind),
-            converter.units.length_name(),
-        ),
+        JointKind::Revolute => (converter.units.radians_per_angle(), converter.units.angle_name()),
+        JointKind::Prismatic => (converter.units.per_unit(row.kind), converter.units.length_name()),
     };
     let shown = |value: f64| format!("{}", libm::round(value / unit * 1e6) / 1e6);
     converter.diagnostics.push(
@@ -232,9 +197,5 @@ fn is_outside(value: f64, limits: super::Limits) -> bool {
 }
 
 fn count(count: usize, noun: &str) -> String {
-    if count == 1 {
-        format!("1 {noun}")
-    } else {
-        format!("{count} {noun}s")
-    }
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }

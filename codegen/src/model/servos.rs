@@ -9,68 +9,37 @@ use core::f64::consts::{PI, TAU};
 /// `servo = {...}` of a joint.
 pub(super) fn of_joint(servo: &table::Servo, kind: JointKind, converter: &mut Converter) -> Servo {
     let (right, wrong) = match kind {
-        JointKind::Revolute => (
-            ("counts_per_turn", &servo.counts_per_turn),
-            ("counts_per_unit", &servo.counts_per_unit),
-        ),
-        JointKind::Prismatic => (
-            ("counts_per_unit", &servo.counts_per_unit),
-            ("counts_per_turn", &servo.counts_per_turn),
-        ),
+        JointKind::Revolute => {
+            (("counts_per_turn", &servo.counts_per_turn), ("counts_per_unit", &servo.counts_per_unit))
+        }
+        JointKind::Prismatic => {
+            (("counts_per_unit", &servo.counts_per_unit), ("counts_per_turn", &servo.counts_per_turn))
+        }
     };
     if let Some(number) = wrong.1 {
-        let name = if kind == JointKind::Revolute {
-            "revolute"
-        } else {
-            "prismatic"
-        };
+        let name = if kind == JointKind::Revolute { "revolute" } else { "prismatic" };
         converter.diagnostics.push(
             Diagnostic::error(
                 catalogue::WRONG_JOINT_TYPE,
-                format!(
-                    "the servo of a {name} joint has `{}`, not `{}`",
-                    right.0, wrong.0
-                ),
+                format!("the servo of a {name} joint has `{}`, not `{}`", right.0, wrong.0),
             )
             .at(number.span(), "")
-            .help(format!(
-                "write `{} = {}`",
-                right.0,
-                super::quantity::written(number)
-            )),
+            .help(format!("write `{} = {}`", right.0, super::quantity::written(number))),
         );
     }
-    let counts = right
-        .1
-        .as_ref()
-        .and_then(|number| positive(number, right.0, converter));
+    let counts = right.1.as_ref().and_then(|number| positive(number, right.0, converter));
     build(servo, kind, counts, converter)
 }
 
 /// `[[servo]]`.
-pub(super) fn outside_the_chain(
-    named: &table::NamedServo,
-    converter: &mut Converter,
-) -> NamedServo {
+pub(super) fn outside_the_chain(named: &table::NamedServo, converter: &mut Converter) -> NamedServo {
     let servo = &named.servo;
-    let kind = if servo.counts_per_unit.is_some() {
-        JointKind::Prismatic
-    } else {
-        JointKind::Revolute
-    };
+    let kind = if servo.counts_per_unit.is_some() { JointKind::Prismatic } else { JointKind::Revolute };
     let servo = of_joint(servo, kind, converter);
-    NamedServo {
-        name: named.name.value.clone(),
-        servo,
-    }
+    NamedServo { name: named.name.value.clone(), servo }
 }
 
-fn build(
-    servo: &table::Servo,
-    kind: JointKind,
-    counts: Option<f64>,
-    converter: &mut Converter,
-) -> Servo {
+fn build(servo: &table::Servo, kind: JointKind, counts: Option<f64>, converter: &mut Converter) -> Servo {
     let per_si = match (kind, counts) {
         (JointKind::Revolute, Some(counts)) => counts / TAU,
         (JointKind::Revolute, None) => 180.0 / PI,
@@ -90,20 +59,10 @@ fn build(
         None => 1.0,
     });
     Servo {
-        id: servo
-            .id
-            .as_ref()
-            .and_then(|number| bus_id(number, converter)),
+        id: servo.id.as_ref().and_then(|number| bus_id(number, converter)),
         scale: sign * per_si,
-        zero: servo
-            .zero
-            .as_ref()
-            .and_then(|number| converter.plain(number))
-            .unwrap_or(0.0),
-        range: servo
-            .range
-            .as_ref()
-            .and_then(|range| converter.limits(range, Converter::plain)),
+        zero: servo.zero.as_ref().and_then(|number| converter.plain(number)).unwrap_or(0.0),
+        range: servo.range.as_ref().and_then(|range| converter.limits(range, Converter::plain)),
         model: servo.model.as_ref().map(|model| model.value.clone()),
     }
 }
@@ -114,14 +73,9 @@ fn positive(number: &Number, key: &str, converter: &mut Converter) -> Option<f64
         return Some(value);
     }
     converter.diagnostics.push(
-        Diagnostic::error(
-            catalogue::WRONG_VALUE,
-            format!("`{key}` has to be greater than 0"),
-        )
-        .at(number.span(), "")
-        .help(
-            "write the number of counts, and `sign = -1` if the servo counts the other way round",
-        ),
+        Diagnostic::error(catalogue::WRONG_VALUE, format!("`{key}` has to be greater than 0"))
+            .at(number.span(), "")
+            .help("write the number of counts, and `sign = -1` if the servo counts the other way round"),
     );
     None
 }

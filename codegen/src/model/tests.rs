@@ -29,22 +29,14 @@ pub(crate) fn row(d: f64, a: f64, alpha: Angle, index: usize) -> Row {
 
 fn robot(convention: Convention, mut rows: Vec<Row>) -> Model {
     recentre::recentre(convention, &mut rows);
-    let joints = (0..rows.len())
-        .filter(|&index| rows[index].variable.is_some())
-        .collect();
-    let still = Placement {
-        xyz: [0.0; 3],
-        rotation: Rotation::Rpy([Angle::ZERO; 3]),
-    };
+    let joints = (0..rows.len()).filter(|&index| rows[index].variable.is_some()).collect();
+    let still = Placement { xyz: [0.0; 3], rotation: Rotation::Rpy([Angle::ZERO; 3]) };
     Model {
         name: "test".into(),
         manufacturer: None,
         source: None,
         convention,
-        units: Units {
-            length: LengthUnit::Metre,
-            angle: AngleUnit::Radian,
-        },
+        units: Units { length: LengthUnit::Metre, angle: AngleUnit::Radian },
         rows,
         joints,
         base: still.clone(),
@@ -60,18 +52,14 @@ fn robot(convention: Convention, mut rows: Vec<Row>) -> Model {
     }
 }
 
-const IDENTITY: Matrix = [
-    [1.0, 0.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0, 0.0],
-    [0.0, 0.0, 1.0, 0.0],
-];
+const IDENTITY: Matrix = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
 fn times(left: &Matrix, right: &Matrix) -> Matrix {
     let mut result = IDENTITY;
     for (i, row) in left.iter().enumerate() {
         for j in 0..4 {
-            result[i][j] = (0..3).map(|k| row[k] * right[k][j]).sum::<f64>()
-                + if j == 3 { row[3] } else { 0.0 };
+            result[i][j] =
+                (0..3).map(|k| row[k] * right[k][j]).sum::<f64>() + if j == 3 { row[3] } else { 0.0 };
         }
     }
     result
@@ -125,11 +113,7 @@ fn by_chain(model: &Model, chain: &Chain, q: &[f64]) -> (Vec<Matrix>, Matrix) {
 }
 
 fn difference(one: &Matrix, two: &Matrix) -> f64 {
-    one.iter()
-        .flatten()
-        .zip(two.iter().flatten())
-        .map(|(x, y)| (x - y).abs())
-        .fold(0.0, f64::max)
+    one.iter().flatten().zip(two.iter().flatten()).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
 }
 
 fn agrees(model: &Model, q: &[f64], tolerance: f64) {
@@ -139,11 +123,7 @@ fn agrees(model: &Model, q: &[f64], tolerance: f64) {
     let expected = product::frames(model, q);
     assert_eq!(frames.len(), expected.rows.len());
     let error = difference(&tool, &expected.tool);
-    assert!(
-        error < tolerance,
-        "tool off by {error:e}: {tool:?} {:?}",
-        expected.tool
-    );
+    assert!(error < tolerance, "tool off by {error:e}: {tool:?} {:?}", expected.tool);
     for (index, (frame, expected)) in frames.iter().zip(&expected.rows).enumerate() {
         // A frame of the table itself may lie kilometres away.
         let away = expected.iter().map(|row| row[3].abs()).fold(1.0, f64::max);
@@ -218,11 +198,7 @@ fn modified(rows: &[Row]) -> Vec<Row> {
                 Some(before) => (rows[before].a, rows[before].alpha),
                 None => (0.0, Angle::ZERO),
             };
-            Row {
-                a,
-                alpha,
-                ..rows[index].clone()
-            }
+            Row { a, alpha, ..rows[index].clone() }
         })
         .collect()
 }
@@ -231,10 +207,9 @@ fn modified(rows: &[Row]) -> Vec<Row> {
 fn offsets_of_kilometres_cancel_without_loss() {
     for tilt in [1e-4, 1e-5, -1e-6, 1e-7] {
         let standard = calibrated(tilt);
-        for (convention, rows) in [
-            (Convention::Modified, modified(&standard)),
-            (Convention::Standard, standard),
-        ] {
+        for (convention, rows) in
+            [(Convention::Modified, modified(&standard)), (Convention::Standard, standard)]
+        {
             let model = robot(convention, rows);
             assert!(model.rows.iter().any(|row| row.shift != 0.0), "{tilt}");
             for link in model.chain().links {
@@ -282,12 +257,7 @@ fn ordinary_tables_are_not_recentred() {
         row(-0.2, 0.0, Angle::ZERO, 3),
     ];
     for convention in [Convention::Standard, Convention::Modified] {
-        assert!(
-            robot(convention, scara.clone())
-                .rows
-                .iter()
-                .all(|row| row.shift == 0.0)
-        );
+        assert!(robot(convention, scara.clone()).rows.iter().all(|row| row.shift == 0.0));
     }
 }
 
@@ -312,8 +282,5 @@ fn names_are_those_of_the_field() {
     assert_eq!(names[1], ["d1", "a1", "alpha1"]);
     assert_eq!(names[2], ["a2"]);
     assert_eq!(names[3], ["d3", "a3", "alpha3", "beta3"]);
-    assert_eq!(
-        names[5],
-        ["theta5", "a5", "alpha5", "theta6", "d6", "a6", "alpha6"]
-    );
+    assert_eq!(names[5], ["theta5", "a5", "alpha5", "theta6", "d6", "a6", "alpha6"]);
 }

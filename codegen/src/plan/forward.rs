@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::symbolic::{self, Equations};
 
 /// Forward kinematics, Jacobian and frames, in the order in which they are printed.
-pub fn functions(model: &Model, constants: &mut Constants) -> Vec<Function> {
+pub(super) fn functions(model: &Model, constants: &mut Constants) -> Vec<Function> {
     let all = [
         (FunctionKind::Fk, symbolic::pose(model, true)),
         (FunctionKind::FkFlange, symbolic::pose(model, false)),
@@ -14,7 +14,9 @@ pub fn functions(model: &Model, constants: &mut Constants) -> Vec<Function> {
         (FunctionKind::FkJacobian, symbolic::pose_and_jacobian(model)),
         (FunctionKind::Frames, symbolic::frames(model)),
     ];
-    all.into_iter().map(|(kind, equations)| function(kind, &equations, model.joints.len(), constants)).collect()
+    all.into_iter()
+        .map(|(kind, equations)| function(kind, &equations, model.joints.len(), constants))
+        .collect()
 }
 
 fn function(kind: FunctionKind, equations: &Equations, joints: usize, constants: &mut Constants) -> Function {

@@ -49,11 +49,14 @@ fn function(problem: usize, derivation: &Derivation, constants: &mut Constants) 
         .inputs
         .iter()
         .filter_map(|input| match arena.node(*input) {
-            crate::symbolic::expression::Node::Leaf(index) => arena.leaf_at(index).map(|(name, _)| name.to_string()),
+            crate::symbolic::expression::Node::Leaf(index) => {
+                arena.leaf_at(index).map(|(name, _)| name.to_string())
+            }
             _ => None,
         })
         .collect();
-    let coefficients: Vec<Expr> = derivation.stages.iter().flat_map(|stage| stage.equation.coefficients()).collect();
+    let coefficients: Vec<Expr> =
+        derivation.stages.iter().flat_map(|stage| stage.equation.coefficients()).collect();
     let mut scheduler = Scheduler::new(arena, constants, &inputs, &coefficients);
     for (index, input) in derivation.inputs.iter().enumerate() {
         scheduler.bind(*input, super::ValueId(index));
@@ -74,7 +77,8 @@ fn function(problem: usize, derivation: &Derivation, constants: &mut Constants) 
 /// The steps from a stage on, inside the loop over the roots of the one before.
 fn nested(scheduler: &mut Scheduler<'_>, derivation: &Derivation, index: usize) -> Vec<Step> {
     let Some(stage) = derivation.stages.get(index) else {
-        let q = derivation.joints.iter().map(|joint| scheduler.linear(&joint.terms, joint.constant)).collect();
+        let q =
+            derivation.joints.iter().map(|joint| scheduler.linear(&joint.terms, joint.constant)).collect();
         return vec![Step::Accept { q }];
     };
     let outer = std::mem::take(&mut scheduler.steps);

@@ -4,68 +4,96 @@
 //! used. Sines and cosines come first, then lengths that vary, then the rest in the order of need.
 
 use super::{Constant, ConstantId, Counts, Scalar, Step, ValueId};
+use crate::model::Model;
+use crate::model::chain::Element;
 use crate::symbolic::angle::AngleForm;
 use crate::symbolic::expression::{Arena, Expr, Leaf, Node};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// Constants of a robot, shared by all its functions.
 #[derive(Debug, Default)]
-pub struct Constants {
+pub(super) struct Constants {
     list: Vec<Constant>,
     ids: HashMap<String, ConstantId>,
     folded: usize,
 }
 
 impl Constants {
+    /// The lengths of a robot, in the order of its rows.
+    pub(super) fn of(model: &Model) -> Self {
+        let mut constants = Self::default();
+        for element in model.chain().links.iter().flat_map(|link| &link.elements) {
+            if let Element::Translate { value, name, note, .. } = element {
+                constants.named(name, *value, 1, note);
+            }
+        }
+        constants
+    }
+
     /// All of them, in the order in which they were met.
-    pub fn into_list(self) -> Vec<Constant> {
+    pub(super) fn into_list(self) -> Vec<Constant> {
         self.list
     }
 
+    /// The table's number of this name. Another number under the same name (of another function) gets one of its own.
     fn named(&mut self, name: &str, value: f64, dimension: u8, note: &str) -> ConstantId {
-        if let Some(&known) = self.ids.get(name) {
-            return known;
+        let same = |constant: &Constant| constant.value.to_bits() == value.to_bits();
+        let mut unique = name.to_string();
+        let mut tries = 1;
+        while let Some(&known) = self.ids.get(&unique) {
+            if self.list.get(known.0).is_some_and(same) {
+                return known;
+            }
+            tries += 1;
+            unique = format!("{name}_{tries}");
         }
         let id = ConstantId(self.list.len());
-        self.list.push(Constant { name: name.to_string(), value, dimension, note: note.to_string() });
-        self.ids.insert(name.to_string(), id);
+        self.list.push(Constant { name: unique.clone(), value, dimension, note: note.to_string() });
+        self.ids.insert(unique, id);
         id
     }
 
     /// A constant folded from others; the same text is the same constant.
     fn folded(&mut self, text: &str, value: f64, dimension: u8) -> ConstantId {
-        if let Some(&known) = self.ids.get(text) {
+        let key = format!("{text} = {value:?}");
+        if let Some(&known) = self.ids.get(&key) {
             return known;
         }
         self.folded += 1;
         let id = ConstantId(self.list.len());
-        self.list.push(Constant { name: format!("k{}", self.folded), value, dimension, note: format!("= {text}") });
-        self.ids.insert(text.to_string(), id);
+        let name = format!("k{}", self.folded);
+        self.list.push(Constant { name, value, dimension, note: format!("= {text}") });
+        self.ids.insert(key, id);
         id
     }
 }
 
 /// Writes the steps of one function.
-pub struct Scheduler<'a> {
+pub(super) struct Scheduler<'a> {
     arena: &'a Arena,
     constants: &'a mut Constants,
     /// Names of all values so far.
-    pub values: Vec<String>,
+    pub(super) values: Vec<String>,
     /// What the variables of angles and slides stand for.
-    pub variables: Vec<ValueId>,
+    pub(super) variables: Vec<ValueId>,
     names: HashSet<String>,
     defined: HashMap<Expr, ValueId>,
     shared: BTreeSet<Expr>,
     temporaries: usize,
     /// Steps of the innermost scope.
-    pub steps: Vec<Step>,
+    pub(super) steps: Vec<Step>,
     /// What was counted so far.
-    pub counts: Counts,
+    pub(super) counts: Counts,
 }
 
 impl<'a> Scheduler<'a> {
     /// For a function that computes these expressions; inputs are defined first.
-    pub fn new(arena: &'a Arena, constants: &'a mut Constants, inputs: &[String], roots: &[Expr]) -> Self {
+    pub(super) fn new(
+        arena: &'a Arena,
+        constants: &'a mut Constants,
+        inputs: &[String],
+        roots: &[Expr],
+    ) -> Self {
         let (mul, add) = arena.operations(roots);
         let mut scheduler = Self {
             arena,
@@ -86,7 +114,7 @@ impl<'a> Scheduler<'a> {
     }
 
     /// A new value of this name, or of one like it where the name is taken.
-    pub fn value(&mut self, name: &str) -> ValueId {
+    pub(super) fn value(&mut self, name: &str) -> ValueId {
         let mut unique = name.to_string();
         let mut tries = 1;
         while !self.names.insert(unique.clone()) {
@@ -98,12 +126,12 @@ impl<'a> Scheduler<'a> {
     }
 
     /// Says that an expression (a leaf) is this value.
-    pub fn bind(&mut self, expr: Expr, value: ValueId) {
+    pub(super) fn bind(&mut self, expr: Expr, value: ValueId) {
         self.defined.insert(expr, value);
     }
 
     /// Writes steps for all that the expressions need, and returns them in terms of those.
-    pub fn scalars(&mut self, roots: &[Expr]) -> Vec<Scalar> {
+    pub(super) fn scalars(&mut self, roots: &[Expr]) -> Vec<Scalar> {
         self.leaves(roots);
         roots.iter().map(|root| self.scalar(*root)).collect()
     }
@@ -153,7 +181,8 @@ impl<'a> Scheduler<'a> {
         };
         let angle = self.angle(form, quarters);
         self.counts.sincos += 1;
-        let name = |letter: &str, negative: bool| format!("{}{letter}{suffix}", if negative { "n" } else { "" });
+        let name =
+            |letter: &str, negative: bool| format!("{}{letter}{suffix}", if negative { "n" } else { "" });
         // What the library's sine and cosine of the reduced angle are of the whole angle.
         let (first, second) = match quarters {
             1 => (("c", true), ("s", false)),
@@ -186,14 +215,17 @@ impl<'a> Scheduler<'a> {
     }
 
     /// Sum of coefficient * variable, and a constant.
-    pub fn linear(&self, terms: &[(usize, f64)], constant: f64) -> Scalar {
+    pub(super) fn linear(&self, terms: &[(usize, f64)], constant: f64) -> Scalar {
         let mut sum: Option<Scalar> = None;
         for &(variable, coefficient) in terms {
             let Some(&value) = self.variables.get(variable) else { continue };
             let value = Scalar::Value(value);
             let size = coefficient.abs();
-            let term =
-                if size == 1.0 { value } else { Scalar::Mul(Box::new(Scalar::Number(size)), Box::new(value)) };
+            let term = if size == 1.0 {
+                value
+            } else {
+                Scalar::Mul(Box::new(Scalar::Number(size)), Box::new(value))
+            };
             sum = Some(signed_sum(sum, term, coefficient < 0.0));
         }
         if constant != 0.0 {
@@ -265,7 +297,11 @@ impl<'a> Scheduler<'a> {
             },
             _ => {
                 let text = crate::symbolic::text::expression(self.arena, x);
-                Scalar::Constant(self.constants.folded(&text, self.arena.constant_value(x), self.arena.constant_dimension(x)))
+                Scalar::Constant(self.constants.folded(
+                    &text,
+                    self.arena.constant_value(x),
+                    self.arena.constant_dimension(x),
+                ))
             }
         }
     }

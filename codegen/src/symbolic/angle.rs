@@ -26,16 +26,6 @@ impl Turn {
         }
     }
 
-    /// The sum, in [0, 24) units of 15 degrees.
-    pub fn add(self, other: Self) -> Self {
-        Self { fifteenths: (self.fifteenths + other.fifteenths).rem_euclid(24), rest: self.rest + other.rest }
-    }
-
-    /// The other way round.
-    pub fn neg(self) -> Self {
-        Self { fifteenths: (-self.fifteenths).rem_euclid(24), rest: -self.rest }
-    }
-
     /// Sine and cosine, where they are exact.
     pub fn exact(self) -> Option<(Number, Number)> {
         (self.rest == 0.0).then(|| (Number::sin(self.fifteenths), Number::cos(self.fifteenths)))
@@ -44,6 +34,24 @@ impl Turn {
     /// Radians.
     pub fn value(self) -> f64 {
         f64::from(self.fifteenths) * (FRAC_PI_2 / 6.0) + self.rest
+    }
+}
+
+/// The sum, its exact part in [0, 24) units of 15 degrees.
+impl std::ops::Add for Turn {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { fifteenths: (self.fifteenths + other.fifteenths).rem_euclid(24), rest: self.rest + other.rest }
+    }
+}
+
+/// The other way round.
+impl std::ops::Neg for Turn {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        Self { fifteenths: (-self.fifteenths).rem_euclid(24), rest: -self.rest }
     }
 }
 
@@ -61,7 +69,7 @@ impl AngleForm {
     pub const ZERO: Self = Self { terms: Vec::new(), turn: Turn::ZERO };
 
     /// self + sign * other
-    pub fn add(&self, other: &Self, sign: f64) -> Self {
+    pub fn plus(&self, other: &Self, sign: f64) -> Self {
         let mut terms = self.terms.clone();
         for &(variable, coefficient) in &other.terms {
             match terms.binary_search_by_key(&variable, |term| term.0) {
@@ -74,12 +82,12 @@ impl AngleForm {
             }
         }
         terms.retain(|term| term.1 != 0.0);
-        let turn = if sign < 0.0 { other.turn.neg() } else { other.turn };
-        Self { terms, turn: self.turn.add(turn) }
+        let turn = if sign < 0.0 { -other.turn } else { other.turn };
+        Self { terms, turn: self.turn + turn }
     }
 
     /// The other way round.
-    pub fn neg(&self) -> Self {
-        Self::ZERO.add(self, -1.0)
+    pub fn negated(&self) -> Self {
+        Self::ZERO.plus(self, -1.0)
     }
 }

@@ -98,7 +98,7 @@ impl Run {
         match data.kind {
             JointKind::Revolute => {
                 let theta = AngleForm { terms: sorted(&data.terms), turn: Turn::new(data.theta) };
-                self.turn = self.turn.add(&theta, if self.flipped { -1.0 } else { 1.0 });
+                self.turn = self.turn.plus(&theta, if self.flipped { -1.0 } else { 1.0 });
                 self.rows.push((row, !self.flipped));
             }
             JointKind::Prismatic => {
@@ -112,12 +112,20 @@ impl Run {
     }
 
     fn here(&self, row: usize, kind: JointKind, offset: Vec3) -> Joint {
-        Joint { row, kind, turn: self.turn.clone(), suffix: suffix(&self.rows), flipped: self.flipped, slide: offset, offset }
+        Joint {
+            row,
+            kind,
+            turn: self.turn.clone(),
+            suffix: suffix(&self.rows),
+            flipped: self.flipped,
+            slide: offset,
+            offset,
+        }
     }
 
     fn pass(&mut self, step: &Axial) {
-        let turn = if self.flipped { step.turn.neg() } else { step.turn };
-        self.turn.turn = self.turn.turn.add(turn);
+        let turn = if self.flipped { -step.turn } else { step.turn };
+        self.turn.turn = self.turn.turn + turn;
         self.flipped ^= step.flips;
     }
 }
@@ -166,7 +174,7 @@ fn axial(elements: &[Element]) -> Option<Axial> {
                     1 if half => turn, // Ry(pi) = Rz(pi) Rx(pi)
                     _ => return None,
                 };
-                found.turn = found.turn.add(if found.flips { turn.neg() } else { turn });
+                found.turn = found.turn + if found.flips { -turn } else { turn };
                 found.flips ^= *axis != 2;
             }
         }

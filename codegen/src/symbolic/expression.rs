@@ -50,7 +50,7 @@ pub enum Node {
 }
 
 /// All expressions of a robot.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Arena {
     nodes: Vec<Node>,
     constant: Vec<bool>,
@@ -61,24 +61,45 @@ pub struct Arena {
     names: HashMap<Expr, String>,
 }
 
+/// 0 and 1, in every arena.
+const ZERO: Expr = Expr(0);
+const ONE: Expr = Expr(1);
+
+impl Default for Arena {
+    fn default() -> Self {
+        let mut arena = Self {
+            nodes: Vec::new(),
+            constant: Vec::new(),
+            ids: HashMap::new(),
+            leaves: Vec::new(),
+            leaf_ids: HashMap::new(),
+            angles: Vec::new(),
+            names: HashMap::new(),
+        };
+        arena.intern(Node::Number(Number::ZERO));
+        arena.intern(Node::Number(Number::ONE));
+        arena
+    }
+}
+
 impl Arena {
     /// An exact constant.
     pub fn number(&mut self, number: Number) -> Expr {
         if number.is_negative() {
-            let positive = self.intern(Node::Number(number.neg()));
+            let positive = self.intern(Node::Number(-number));
             return self.intern(Node::Neg(positive));
         }
         self.intern(Node::Number(number))
     }
 
     /// 0
-    pub fn zero(&mut self) -> Expr {
-        self.number(Number::ZERO)
+    pub fn zero(&self) -> Expr {
+        ZERO
     }
 
     /// 1
-    pub fn one(&mut self) -> Expr {
-        self.number(Number::ONE)
+    pub fn one(&self) -> Expr {
+        ONE
     }
 
     /// A named leaf; the same name gives the same leaf.
@@ -105,7 +126,7 @@ impl Arena {
         if form.terms.is_empty() {
             return self.constant_sin_cos(suffix, form);
         }
-        let negated = form.neg();
+        let negated = form.negated();
         let found = self.angles.iter().position(|(_, known)| known == form || *known == negated);
         let at = found.unwrap_or_else(|| {
             self.angles.push((suffix.to_string(), form.clone()));
@@ -122,7 +143,8 @@ impl Arena {
         }
         let angle = form.turn.value();
         let sin = self.parameter(&format!("s{suffix}"), libm::sin(angle), 0, &format!("sine of {angle} rad"));
-        let cos = self.parameter(&format!("c{suffix}"), libm::cos(angle), 0, &format!("cosine of {angle} rad"));
+        let cos =
+            self.parameter(&format!("c{suffix}"), libm::cos(angle), 0, &format!("cosine of {angle} rad"));
         (sin, cos)
     }
 
@@ -130,23 +152,23 @@ impl Arena {
     pub fn neg(&mut self, x: Expr) -> Expr {
         match self.node(x) {
             Node::Neg(inner) => inner,
-            Node::Number(number) if number.is_zero() => x,
+            _ if x == ZERO => x,
             _ => self.intern(Node::Neg(x)),
         }
     }
 
     /// x + y
     pub fn add(&mut self, x: Expr, y: Expr) -> Expr {
-        if let (Some(a), Some(b)) = (self.as_number(x), self.as_number(y))
-            && let Some(sum) = a.add(b)
-        {
-            return self.number(sum);
-        }
-        if self.is_zero(x) {
+        if x == ZERO {
             return y;
         }
-        if self.is_zero(y) {
+        if y == ZERO {
             return x;
+        }
+        if let (Some(a), Some(b)) = (self.as_number(x), self.as_number(y))
+            && let Some(sum) = a.checked_add(b)
+        {
+            return self.number(sum);
         }
         let ((x_sign, x), (y_sign, y)) = (self.split_sign(x), self.split_sign(y));
         if x == y {
@@ -157,8 +179,11 @@ impl Arena {
             let double = self.mul(two, x);
             return self.signed(x_sign, double);
         }
-        let ((first_sign, first), (second_sign, second)) =
-            if self.order(x) < self.order(y) { ((x_sign, x), (y_sign, y)) } else { ((y_sign, y), (x_sign, x)) };
+        let ((first_sign, first), (second_sign, second)) = if self.order(x) < self.order(y) {
+            ((x_sign, x), (y_sign, y))
+        } else {
+            ((y_sign, y), (x_sign, x))
+        };
         let second = if first_sign == second_sign { second } else { self.neg(second) };
         let sum = self.intern(Node::Add(first, second));
         self.signed(first_sign, sum)
@@ -172,18 +197,25 @@ impl Arena {
 
     /// x y
     pub fn mul(&mut self, x: Expr, y: Expr) -> Expr {
+        if x == ZERO || y == ZERO {
+            return ZERO;
+        }
+        if x == ONE {
+            return y;
+        }
+        if y == ONE {
+            return x;
+        }
         if let (Some(a), Some(b)) = (self.as_number(x), self.as_number(y))
-            && let Some(product) = a.mul(b)
+            && let Some(product) = a.checked_mul(b)
         {
             return self.number(product);
         }
         let ((x_sign, x), (y_sign, y)) = (self.split_sign(x), self.split_sign(y));
         let positive = x_sign == y_sign;
         let (first, second) = if self.rank(x) <= self.rank(y) { (x, y) } else { (y, x) };
-        match self.node(first) {
-            Node::Number(number) if number.is_zero() => return first,
-            Node::Number(Number::ONE) => return self.signed(positive, second),
-            _ => {}
+        if first == ONE {
+            return self.signed(positive, second);
         }
         // Constants are gathered in front, so that a2 (sa3 x) costs one product.
         if self.is_constant(first)
@@ -199,8 +231,17 @@ impl Arena {
         self.signed(positive, product)
     }
 
-    /// Gives an expression the name that the field has for it, unless it has one or is a leaf (or a signed one).
+    /// Gives a quantity the name that the field has for it, unless it has one or is a leaf (or a signed one). What is
+    /// computed is the quantity without its sign: of a negative one the name says so, `nr12` = -r12.
     pub fn name(&mut self, x: Expr, name: &str) {
+        match self.split_sign(x) {
+            (true, x) => self.label(x, name),
+            (false, x) => self.label(x, &format!("n{name}")),
+        }
+    }
+
+    /// Gives an abbreviation a name, if it is one: more than a leaf.
+    pub fn label(&mut self, x: Expr, name: &str) {
         let (_, x) = self.split_sign(x);
         if matches!(self.node(x), Node::Add(..) | Node::Mul(..)) && !self.is_constant(x) {
             self.names.entry(x).or_insert_with(|| name.to_string());
@@ -234,7 +275,7 @@ impl Arena {
 
     /// Whether it is 0.
     pub fn is_zero(&self, x: Expr) -> bool {
-        matches!(self.node(x), Node::Number(number) if number.is_zero())
+        x == ZERO
     }
 
     /// Value of a constant expression (SI).
@@ -314,7 +355,7 @@ impl Arena {
         match self.node(x) {
             Node::Number(number) => Some(number),
             Node::Neg(inner) => match self.node(inner) {
-                Node::Number(number) => Some(number.neg()),
+                Node::Number(number) => Some(-number),
                 _ => None,
             },
             _ => None,

@@ -49,7 +49,9 @@ pub(crate) fn robot(convention: Convention, rows: &[[f64; 4]]) -> Model {
         sums: Vec::new(),
         poses: Vec::new(),
         problems: Vec::new(),
-        windings: Vec::new(),
+        windings: (0..rows.len())
+            .map(|joint| crate::model::Winding { joint, turn: std::f64::consts::TAU, carries: Vec::new() })
+            .collect(),
         servos: Vec::new(),
         device: None,
         fingerprint: 0,

@@ -109,7 +109,12 @@ fn row_frames(arena: &mut Arena, link: &Link, start: &Rigid, found: &mut Vec<(Op
         if mark.along_z != 0.0 {
             let row = mark.row.map_or(0, |row| row + 1);
             let zero = arena.zero();
-            let along = arena.parameter(&format!("along{row}"), mark.along_z, 1, "from the recentred origin to the table's");
+            let along = arena.parameter(
+                &format!("along{row}"),
+                mark.along_z,
+                1,
+                "from the recentred origin to the table's",
+            );
             let moved = transform::apply(arena, &frame.rotation, [zero, zero, along]);
             frame.translation = transform::add(arena, frame.translation, moved);
         }

@@ -12,6 +12,7 @@ mod reading;
 mod samples;
 mod search;
 mod unknowns;
+mod walk;
 mod writing;
 
 use super::expression::{Arena, Expr};
@@ -118,10 +119,11 @@ pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
     }
     let unknowns = unknowns::eliminate(model, &problem.constraints).map_err(|_| Refusal::Coupling)?;
     let mut arena = Arena::default();
-    let closure = closure::build(&mut arena, model, problem.target, &unknowns).map_err(|trouble| match trouble {
-        closure::Trouble::Overflow => Refusal::NoClosedForm,
-        closure::Trouble::Target => Refusal::NotByThisMethod,
-    })?;
+    let closure =
+        closure::build(&mut arena, model, problem.target, &unknowns).map_err(|trouble| match trouble {
+            closure::Trouble::Overflow => Refusal::NoClosedForm,
+            closure::Trouble::Target => Refusal::NotByThisMethod,
+        })?;
     let samples = samples::draw(model, problem.target, &unknowns, &closure.atoms);
     let open = closure.open(&unknowns);
     let start = search::State {

@@ -4,7 +4,7 @@
 //! [Craig 2005, 5.7-5.8]. In the axes of the joint's group z is (0, 0, 1), so z x r costs nothing; what costs is the
 //! way into base axes, and the least of three is taken for every column.
 
-use super::chain::{Chain, Joint};
+use super::chain::{Chain, Group, Joint};
 use super::expression::{Arena, Expr};
 use super::forward_kinematics as forward;
 use super::transform::{self, Rigid, Vec3};
@@ -22,11 +22,15 @@ pub fn columns(
     tool: &Rigid,
     wanted: &[Expr],
 ) -> Vec<[Expr; 6]> {
+    let prefixes: Vec<Rigid> =
+        (0..chain.groups.len()).map(|group| forward::prefix(arena, chain, group)).collect();
+    let suffixes = forward::suffixes(arena, chain, 0);
+    let walks = Walks { chain, tool, prefixes: &prefixes, suffixes: &suffixes };
     let uniform = ROUTES.map(Some);
     let plans = [None].into_iter().chain(uniform);
     let mut best: Option<(usize, Vec<[Expr; 6]>)> = None;
     for plan in plans {
-        let twists = twists(arena, chain, tool, wanted, plan);
+        let twists = twists(arena, &walks, wanted, plan);
         let columns: Vec<_> =
             (0..model.joints.len()).map(|variable| column(arena, model, &twists, variable)).collect();
         let cost = arena.operation_count(&[wanted, &columns.concat()].concat());
@@ -54,29 +58,37 @@ fn column(arena: &mut Arena, model: &Model, twists: &[(usize, Twist)], variable:
 }
 
 fn factor(arena: &mut Arena, row: usize, variable: usize, coefficient: f64) -> Expr {
-    match super::number::Number::from_f64(coefficient) {
-        Some(number) => arena.number(number),
-        None => {
-            let name = format!("k{}_{}", row + 1, variable + 1);
-            arena.parameter(&name, coefficient, 0, &format!("coupling of joint {} to q{}", row + 1, variable + 1))
-        }
+    if let Some(number) = super::number::Number::from_f64(coefficient) {
+        return arena.number(number);
     }
+    let (joint, number) = (row + 1, variable + 1);
+    let note = format!("coupling of joint {joint} to q{number}");
+    arena.parameter(&format!("k{joint}_{number}"), coefficient, 0, &note)
+}
+
+/// What is known before any column is written.
+struct Walks<'a> {
+    chain: &'a Chain,
+    tool: &'a Rigid,
+    /// The frame before each group.
+    prefixes: &'a [Rigid],
+    /// The tool seen from each group.
+    suffixes: &'a [forward::Suffix],
 }
 
 /// By one pair of routes for all joints, or by the cheapest one for each in turn.
 fn twists(
     arena: &mut Arena,
-    chain: &Chain,
-    tool: &Rigid,
+    walks: &Walks<'_>,
     wanted: &[Expr],
     routes: Option<(Route, Route)>,
 ) -> Vec<(usize, Twist)> {
-    let suffixes = forward::suffixes(arena, chain, 0);
     let mut found = Vec::new();
     let mut wanted = wanted.to_vec();
-    for (index, (group, suffix)) in chain.groups.iter().zip(&suffixes).enumerate() {
+    let groups = walks.chain.groups.iter().zip(walks.prefixes).zip(walks.suffixes);
+    for (index, ((group, before), suffix)) in groups.enumerate() {
         for (count, (joint, arm)) in group.joints.iter().zip(&suffix.arms).enumerate() {
-            let way = Way { chain, group: index, count, tool };
+            let way = Way { walks, before, group, index, count };
             let twist = match routes {
                 Some(routes) => twist(arena, &way, joint, *arm, routes),
                 None => cheapest(arena, &way, joint, *arm, &wanted),
@@ -90,10 +102,11 @@ fn twists(
 
 /// Where a joint stands: behind `count` joints of its group.
 struct Way<'a> {
-    chain: &'a Chain,
-    group: usize,
+    walks: &'a Walks<'a>,
+    before: &'a Rigid,
+    group: &'a Group,
+    index: usize,
     count: usize,
-    tool: &'a Rigid,
 }
 
 /// The ways into base axes.
@@ -127,7 +140,13 @@ fn cheapest(arena: &mut Arena, way: &Way<'_>, joint: &Joint, arm: Vec3, wanted: 
     least.unwrap_or(first).1
 }
 
-fn twist(arena: &mut Arena, way: &Way<'_>, joint: &Joint, arm: Vec3, (angular, linear): (Route, Route)) -> Twist {
+fn twist(
+    arena: &mut Arena,
+    way: &Way<'_>,
+    joint: &Joint,
+    arm: Vec3,
+    (angular, linear): (Route, Route),
+) -> Twist {
     let (zero, one) = (arena.zero(), arena.one());
     let along = if joint.flipped { arena.neg(one) } else { one };
     let axis = way.route(arena, angular, [zero, zero, along]);
@@ -136,7 +155,7 @@ fn twist(arena: &mut Arena, way: &Way<'_>, joint: &Joint, arm: Vec3, (angular, l
     }
     if linear == Route::Cross {
         let origin = way.origin(arena);
-        let arm = transform::sub(arena, way.tool.translation, origin);
+        let arm = transform::sub(arena, way.walks.tool.translation, origin);
         return (transform::cross(arena, axis, arm), axis);
     }
     let [x, y, _] = arm;
@@ -149,15 +168,15 @@ impl Way<'_> {
         if route == Route::Outward {
             return self.outward(arena, v);
         }
-        let frame = forward::prefix(arena, self.chain, self.group);
-        transform::apply(arena, &frame.rotation, v)
+        transform::apply(arena, &self.before.rotation, v)
     }
 
     /// From the axes of the frame before the group into base axes.
     fn outward(&self, arena: &mut Arena, mut v: Vec3) -> Vec3 {
-        for (index, group) in self.chain.groups.iter().enumerate().take(self.group + 1).rev() {
+        let groups = &self.walks.chain.groups;
+        for (index, group) in groups.iter().enumerate().take(self.index + 1).rev() {
             v = transform::apply(arena, &group.before.rotation, v);
-            let previous = index.checked_sub(1).and_then(|index| self.chain.groups.get(index));
+            let previous = index.checked_sub(1).and_then(|index| groups.get(index));
             if let Some(last) = previous.and_then(|group| group.joints.last()) {
                 if last.flipped {
                     v = transform::flip(arena, v);
@@ -171,10 +190,6 @@ impl Way<'_> {
 
     /// The joint's origin in the base frame.
     fn origin(&self, arena: &mut Arena) -> Vec3 {
-        let before = forward::prefix(arena, self.chain, self.group);
-        match self.chain.groups.get(self.group) {
-            Some(group) => forward::behind(arena, &before, group, self.count).translation,
-            None => before.translation,
-        }
+        forward::behind(arena, self.before, self.group, self.count).translation
     }
 }

@@ -69,34 +69,53 @@ impl Number {
     }
 
     /// Sum; `None` where the integers overflow.
-    pub fn add(self, other: Self) -> Option<Self> {
+    pub fn checked_add(self, other: Self) -> Option<Self> {
         let (d1, d2) = (i128::from(self.denominator), i128::from(other.denominator));
+        let (f1, f2, denominator) = if d1 == d2 { (1, 1, d1) } else { (d2, d1, d1 * d2) };
         let mut parts = [0; 4];
         for (part, (a, b)) in parts.iter_mut().zip(self.parts.into_iter().zip(other.parts)) {
-            *part = i128::from(a) * d2 + i128::from(b) * d1;
+            *part = i128::from(a) * f1 + i128::from(b) * f2;
         }
-        Self::reduced(parts, d1 * d2)
+        Self::reduced(parts, denominator)
     }
 
     /// Product; `None` where the integers overflow.
-    pub fn mul(self, other: Self) -> Option<Self> {
+    pub fn checked_mul(self, other: Self) -> Option<Self> {
         let [a0, a1, a2, a3] = self.parts.map(i128::from);
         let [b0, b1, b2, b3] = other.parts.map(i128::from);
+        let denominator = i128::from(self.denominator) * i128::from(other.denominator);
+        if self.is_rational() && other.is_rational() {
+            return Self::reduced([a0 * b0, 0, 0, 0], denominator);
+        }
+        let sum = |list: [i128; 4]| list.into_iter().try_fold(0_i128, i128::checked_add);
         let parts = [
-            a0.checked_mul(b0)?
-                .checked_add(2 * a1.checked_mul(b1)?)?
-                .checked_add(3 * a2.checked_mul(b2)?)?
-                .checked_add(6 * a3.checked_mul(b3)?)?,
-            (a0 * b1).checked_add(a1 * b0)?.checked_add(3 * (a2 * b3))?.checked_add(3 * (a3 * b2))?,
-            (a0 * b2).checked_add(a2 * b0)?.checked_add(2 * (a1 * b3))?.checked_add(2 * (a3 * b1))?,
-            (a0 * b3).checked_add(a3 * b0)?.checked_add(a1 * b2)?.checked_add(a2 * b1)?,
+            sum([
+                a0.checked_mul(b0)?,
+                a1.checked_mul(2 * b1)?,
+                a2.checked_mul(3 * b2)?,
+                a3.checked_mul(6 * b3)?,
+            ])?,
+            sum([
+                a0.checked_mul(b1)?,
+                a1.checked_mul(b0)?,
+                a2.checked_mul(3 * b3)?,
+                a3.checked_mul(3 * b2)?,
+            ])?,
+            sum([
+                a0.checked_mul(b2)?,
+                a2.checked_mul(b0)?,
+                a1.checked_mul(2 * b3)?,
+                a3.checked_mul(2 * b1)?,
+            ])?,
+            sum([a0.checked_mul(b3)?, a3.checked_mul(b0)?, a1.checked_mul(b2)?, a2.checked_mul(b1)?])?,
         ];
-        Self::reduced(parts, i128::from(self.denominator) * i128::from(other.denominator))
+        Self::reduced(parts, denominator)
     }
 
-    /// The additive inverse.
-    pub fn neg(self) -> Self {
-        Self { parts: self.parts.map(|part| -part), denominator: self.denominator }
+    /// Whether no root is in it.
+    fn is_rational(self) -> bool {
+        let [_, two, three, six] = self.parts;
+        two == 0 && three == 0 && six == 0
     }
 
     /// 1 / self; `None` for 0 and where the integers overflow.
@@ -104,16 +123,16 @@ impl Number {
         // (p + q sqrt 3)(p - q sqrt 3) = p^2 - 3 q^2 with p, q in Q(sqrt 2), and the same once more for sqrt 2.
         let [n0, n1, n2, n3] = self.parts;
         let conjugate = Self { parts: [n0, n1, -n2, -n3], denominator: self.denominator };
-        let inner = self.mul(conjugate)?;
+        let inner = self.checked_mul(conjugate)?;
         let [m0, m1, ..] = inner.parts;
         let inner_conjugate = Self { parts: [m0, -m1, 0, 0], denominator: inner.denominator };
-        let norm = inner.mul(inner_conjugate)?;
+        let norm = inner.checked_mul(inner_conjugate)?;
         let [rational, ..] = norm.parts;
         if rational == 0 {
             return None;
         }
         let inverse = Self::reduced([i128::from(norm.denominator), 0, 0, 0], i128::from(rational))?;
-        conjugate.mul(inner_conjugate)?.mul(inverse)
+        conjugate.checked_mul(inner_conjugate)?.checked_mul(inverse)
     }
 
     /// The nearest f64, up to the rounding of the sum.
@@ -124,24 +143,51 @@ impl Number {
 
     /// Whether the number is less than 0.
     pub fn is_negative(self) -> bool {
-        self.value() < 0.0
+        let [rational, ..] = self.parts;
+        if self.is_rational() { rational < 0 } else { self.value() < 0.0 }
     }
 
     fn reduced(parts: [i128; 4], denominator: i128) -> Option<Self> {
-        let sign = denominator.signum();
-        let divisor = parts.iter().fold(denominator.unsigned_abs(), |acc, part| gcd(acc, part.unsigned_abs()));
-        let divisor = i128::try_from(divisor.max(1)).ok()? * if sign < 0 { -1 } else { 1 };
-        let narrow = |value: i128| i64::try_from(value / divisor).ok().filter(|narrowed| *narrowed != i64::MIN);
+        let narrow = |value: i128| i64::try_from(value).ok().filter(|narrowed| *narrowed != i64::MIN);
         let [n0, n1, n2, n3] = parts;
+        if denominator == 1 {
+            return Some(Self {
+                parts: [narrow(n0)?, narrow(n1)?, narrow(n2)?, narrow(n3)?],
+                denominator: 1,
+            });
+        }
+        let divisor =
+            parts.iter().fold(denominator.unsigned_abs(), |acc, part| gcd(acc, part.unsigned_abs()));
+        let divisor = i128::try_from(divisor.max(1)).ok()? * denominator.signum();
         Some(Self {
-            parts: [narrow(n0)?, narrow(n1)?, narrow(n2)?, narrow(n3)?],
-            denominator: narrow(denominator)?,
+            parts: [
+                narrow(n0 / divisor)?,
+                narrow(n1 / divisor)?,
+                narrow(n2 / divisor)?,
+                narrow(n3 / divisor)?,
+            ],
+            denominator: narrow(denominator / divisor)?,
         })
     }
 }
 
+/// Greatest common divisor; in the narrow type as soon as the numbers fit, which is much faster.
 fn gcd(a: u128, b: u128) -> u128 {
+    if let (Ok(mut a), Ok(mut b)) = (u64::try_from(a), u64::try_from(b)) {
+        while b != 0 {
+            (a, b) = (b, a % b);
+        }
+        return u128::from(a);
+    }
     if b == 0 { a } else { gcd(b, a % b) }
+}
+
+impl std::ops::Neg for Number {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        Self { parts: self.parts.map(|part| -part), denominator: self.denominator }
+    }
 }
 
 impl fmt::Display for Number {
@@ -151,7 +197,13 @@ impl fmt::Display for Number {
             if part == 0 {
                 continue;
             }
-            let sign = if part < 0 { "-" } else if text.is_empty() { "" } else { "+" };
+            let sign = if part < 0 {
+                "-"
+            } else if text.is_empty() {
+                ""
+            } else {
+                "+"
+            };
             let magnitude = part.unsigned_abs();
             let body = match (root, magnitude) {
                 ("", _) => magnitude.to_string(),
@@ -180,16 +232,16 @@ mod tests {
             let angle = f64::from(k) * std::f64::consts::PI / 12.0;
             assert!((Number::cos(k).value() - angle.cos()).abs() < 1e-14, "cos {k}");
             assert!((Number::sin(k).value() - angle.sin()).abs() < 1e-14, "sin {k}");
-            let square = |x: Number| x.mul(x).unwrap();
-            assert_eq!(square(Number::cos(k)).add(square(Number::sin(k))), Some(Number::ONE));
+            let square = |x: Number| x.checked_mul(x).unwrap();
+            assert_eq!(square(Number::cos(k)).checked_add(square(Number::sin(k))), Some(Number::ONE));
         }
     }
 
     #[test]
     fn reciprocals_are_exact() {
         for k in 0..6 {
-            let x = Number::cos(k).add(Number::integer(i64::from(k) - 7)).unwrap();
-            assert_eq!(x.mul(x.recip().unwrap()), Some(Number::ONE), "{x}");
+            let x = Number::cos(k).checked_add(Number::integer(i64::from(k) - 7)).unwrap();
+            assert_eq!(x.checked_mul(x.recip().unwrap()), Some(Number::ONE), "{x}");
         }
         assert_eq!(Number::ZERO.recip(), None);
     }
@@ -197,7 +249,7 @@ mod tests {
     #[test]
     fn overflow_is_none_and_not_a_wrong_number() {
         let large = Number::integer(i64::MAX / 2);
-        assert_eq!(large.mul(large), None);
+        assert_eq!(large.checked_mul(large), None);
         assert_eq!(Number::from_f64(0.301_234), None);
         assert_eq!(Number::from_f64(-0.75).map(|x| x.to_string()), Some("-3/4".to_string()));
     }

@@ -54,7 +54,10 @@ fn check(model: &Model, pose_limit: (usize, usize), both_limit: (usize, usize)) 
     let both_counts = both.arena.operations(&both.outputs);
     println!("{counts:?} {both_counts:?}");
     assert!(counts.0 <= pose_limit.0 && counts.1 <= pose_limit.1, "pose {counts:?} against {pose_limit:?}");
-    assert!(both_counts.0 <= both_limit.0 && both_counts.1 <= both_limit.1, "{both_counts:?} against {both_limit:?}");
+    assert!(
+        both_counts.0 <= both_limit.0 && both_counts.1 <= both_limit.1,
+        "{both_counts:?} against {both_limit:?}"
+    );
 }
 
 #[test]

@@ -17,15 +17,20 @@ enum Place {
 
 /// Written out; `names` says whether parts that have a name are written by it.
 fn written(arena: &Arena, x: Expr, place: Place, names: bool) -> String {
-    let part = |x: Expr, place: Place| if names { named(arena, x, place) } else { written(arena, x, place, false) };
+    let part =
+        |x: Expr, place: Place| if names { named(arena, x, place) } else { written(arena, x, place, false) };
     match arena.node(x) {
         Node::Number(number) => {
             let text = number.to_string();
             if place == Place::Factor && text.contains([' ', '+', '-']) { format!("({text})") } else { text }
         }
         Node::Leaf(index) => arena.leaf_at(index).map_or_else(String::new, |(name, _)| name.to_string()),
-        Node::Sin(index) => arena.angle_at(index).map_or_else(String::new, |(suffix, _)| format!("s{suffix}")),
-        Node::Cos(index) => arena.angle_at(index).map_or_else(String::new, |(suffix, _)| format!("c{suffix}")),
+        Node::Sin(index) => {
+            arena.angle_at(index).map_or_else(String::new, |(suffix, _)| format!("s{suffix}"))
+        }
+        Node::Cos(index) => {
+            arena.angle_at(index).map_or_else(String::new, |(suffix, _)| format!("c{suffix}"))
+        }
         Node::Neg(inner) => {
             let text = format!("-{}", part(inner, Place::Subtracted));
             if place == Place::Sum { text } else { format!("({text})") }

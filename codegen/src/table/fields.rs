@@ -1,5 +1,6 @@
 //! Typed access to the keys of a TOML table, with a diagnostic for each that is wrong.
 
+use super::types::{FLAG, KEYS, NUMBER, NUMBERS, TEXT, TEXTS};
 use super::{Number, Numbers, Span, Text, Written};
 use crate::diagnostic::{Diagnostic, Diagnostics, catalogue, nearest, shortened};
 use toml::Spanned;
@@ -11,6 +12,8 @@ pub(super) struct Reader<'a> {
     pub(super) diagnostics: &'a mut Diagnostics,
     /// Where the lines end.
     pub(super) line_feeds: Vec<usize>,
+    /// Headers that stand for a second time, in place of what stood there first.
+    pub(super) repeated: Vec<usize>,
     /// Whether nothing of the text was left out.
     pub(super) complete: bool,
 }
@@ -30,9 +33,7 @@ impl<'a> Fields<'a> {
     }
 
     pub(super) fn key_span(&self, key: &str) -> Span {
-        self.table
-            .get_key_value(key)
-            .map_or(0..0, |(key, _)| key.span())
+        self.table.get_key_value(key).map_or(0..0, |(key, _)| key.span())
     }
 
     /// Keys and values in the order of the text.
@@ -63,14 +64,10 @@ impl Reader<'_> {
         place: &'static str,
     ) -> Option<Fields<'a>> {
         let DeValue::Table(table) = value.get_ref() else {
-            self.wrong_type(place, value, "a table of keys");
+            self.wrong_type(place, value, KEYS);
             return None;
         };
-        Some(Fields {
-            table,
-            span: value.span().start..end_of(value).max(value.span().end),
-            place,
-        })
+        Some(Fields { table, span: value.span().start..end_of(value).max(value.span().end), place })
     }
 
     /// Reports keys that are not among the known ones.
@@ -103,12 +100,9 @@ impl Reader<'_> {
         let value = fields.value(key);
         if value.is_none() && self.complete {
             self.diagnostics.push(
-                Diagnostic::error(
-                    catalogue::MISSING_KEY,
-                    format!("{} has no `{key}`", fields.place),
-                )
-                .at(self.first_line(&fields.span), "")
-                .help(format!("write `{key} = {example}`")),
+                Diagnostic::error(catalogue::MISSING_KEY, format!("{} has no `{key}`", fields.place))
+                    .at(self.first_line(&fields.span), "")
+                    .help(format!("write `{key} = {example}`")),
             );
         }
         value
@@ -136,7 +130,7 @@ impl Reader<'_> {
 
     pub(super) fn text_of(&mut self, key: &str, value: &Spanned<DeValue>) -> Option<Text> {
         let DeValue::String(string) = value.get_ref() else {
-            self.wrong_type(&format!("`{key}`"), value, "a text in quotes");
+            self.wrong_type(&format!("`{key}`"), value, TEXT);
             return None;
         };
         Some(self.located(string, value.span()))
@@ -149,20 +143,12 @@ impl Reader<'_> {
             let inside = raw.get(quotes..raw.len().checked_sub(quotes)?)?;
             (inside == string).then_some(span.start + quotes)
         });
-        Text {
-            value: string.to_owned(),
-            span,
-            base,
-        }
+        Text { value: string.to_owned(), span, base }
     }
 
     /// The name that a key is.
     pub(super) fn key_text(key: &Spanned<DeString>) -> Text {
-        Text {
-            value: key.get_ref().to_string(),
-            span: key.span(),
-            base: None,
-        }
+        Text { value: key.get_ref().to_string(), span: key.span(), base: None }
     }
 
     pub(super) fn flag(&mut self, fields: &Fields, key: &str) -> Option<bool> {
@@ -170,7 +156,7 @@ impl Reader<'_> {
         if let DeValue::Boolean(flag) = value.get_ref() {
             return Some(*flag);
         }
-        self.wrong_type(&format!("`{key}`"), value, "true or false");
+        self.wrong_type(&format!("`{key}`"), value, FLAG);
         None
     }
 
@@ -192,20 +178,12 @@ impl Reader<'_> {
             }
             DeValue::Float(float) => (float.as_str().parse::<f64>().ok(), float.as_str()),
             _ => {
-                self.wrong_type(
-                    &format!("`{key}`"),
-                    value,
-                    "a number, or an expression in quotes",
-                );
+                self.wrong_type(&format!("`{key}`"), value, NUMBER);
                 return None;
             }
         };
         if let Some(number) = number.filter(|number: &f64| number.is_finite()) {
-            return Some(Number::Literal {
-                value: number,
-                digits: digits.to_owned(),
-                span,
-            });
+            return Some(Number::Literal { value: number, digits: digits.to_owned(), span });
         }
         self.diagnostics.push(
             Diagnostic::error(
@@ -213,20 +191,13 @@ impl Reader<'_> {
                 format!("`{}` is not a finite number", shortened(digits)),
             )
             .at(span, "")
-            .help(format!(
-                "write a number, or leave `{key}` out if there is none"
-            )),
+            .help(format!("write a number, or leave `{key}` out if there is none")),
         );
         None
     }
 
     /// A list of so many numbers.
-    pub(super) fn numbers(
-        &mut self,
-        fields: &Fields,
-        key: &str,
-        meanings: &[&str],
-    ) -> Option<Numbers> {
+    pub(super) fn numbers(&mut self, fields: &Fields, key: &str, meanings: &[&str]) -> Option<Numbers> {
         let value = fields.value(key)?;
         let numbers = self.numbers_of(key, value)?;
         if numbers.value.len() == meanings.len() {
@@ -236,11 +207,7 @@ impl Reader<'_> {
         self.diagnostics.push(
             Diagnostic::error(
                 catalogue::WRONG_LENGTH,
-                format!(
-                    "`{key}` has {}, not {}",
-                    counted(count, "value"),
-                    meanings.len()
-                ),
+                format!("`{key}` has {}, not {}", counted(count, "value"), meanings.len()),
             )
             .at(value.span(), "")
             .help(format!("write `{key} = [{}]`", meanings.join(", "))),
@@ -251,18 +218,12 @@ impl Reader<'_> {
     /// A list of any number of numbers; `None` if one of them is none.
     pub(super) fn numbers_of(&mut self, key: &str, value: &Spanned<DeValue>) -> Option<Numbers> {
         let DeValue::Array(array) = value.get_ref() else {
-            self.wrong_type(&format!("`{key}`"), value, "a list of numbers");
+            self.wrong_type(&format!("`{key}`"), value, NUMBERS);
             return None;
         };
-        let numbers: Vec<Option<Number>> = array
-            .iter()
-            .map(|value| self.number_of(key, value))
-            .collect();
+        let numbers: Vec<Option<Number>> = array.iter().map(|value| self.number_of(key, value)).collect();
         let numbers: Option<Vec<Number>> = numbers.into_iter().collect();
-        Some(Written {
-            value: numbers?,
-            span: value.span(),
-        })
+        Some(Written { value: numbers?, span: value.span() })
     }
 
     /// A list of texts, and whether all of them were.
@@ -271,23 +232,16 @@ impl Reader<'_> {
             return (Vec::new(), true);
         };
         let DeValue::Array(array) = value.get_ref() else {
-            self.wrong_type(&format!("`{key}`"), value, "a list of texts in quotes");
+            self.wrong_type(&format!("`{key}`"), value, TEXTS);
             return (Vec::new(), false);
         };
-        let texts: Vec<Text> = array
-            .iter()
-            .filter_map(|value| self.text_of(key, value))
-            .collect();
+        let texts: Vec<Text> = array.iter().filter_map(|value| self.text_of(key, value)).collect();
         let all = texts.len() == array.len();
         (texts, all)
     }
 
     /// `{ name = number, ... }`.
-    pub(super) fn weights(
-        &mut self,
-        fields: &Fields,
-        key: &'static str,
-    ) -> Option<Vec<(Text, Number)>> {
+    pub(super) fn weights(&mut self, fields: &Fields, key: &'static str) -> Option<Vec<(Text, Number)>> {
         let value = fields.value(key)?;
         let inner = self.open_any(value, key_place(key))?;
         let weights: Vec<Option<(Text, Number)>> = inner
@@ -332,26 +286,6 @@ impl Reader<'_> {
             }
         }
     }
-
-    pub(super) fn wrong_type(&mut self, what: &str, value: &Spanned<DeValue>, wanted: &str) {
-        let found = match value.get_ref() {
-            DeValue::String(_) => "a text",
-            DeValue::Integer(_) | DeValue::Float(_) => "a number",
-            DeValue::Boolean(_) => "true or false",
-            DeValue::Datetime(_) => "a date or time",
-            DeValue::Array(_) => "a list",
-            DeValue::Table(_) => "a table",
-        };
-        let span = self.first_line(&value.span());
-        self.diagnostics.push(
-            Diagnostic::error(
-                catalogue::WRONG_TYPE,
-                format!("{what} wants {wanted}, and this is {found}"),
-            )
-            .at(span, "")
-            .help(format!("write {wanted}")),
-        );
-    }
 }
 
 /// How a table that is a value is called in messages.
@@ -364,11 +298,7 @@ fn key_place(key: &'static str) -> &'static str {
 
 /// "1 value", "2 values".
 pub(super) fn counted(count: usize, noun: &str) -> String {
-    if count == 1 {
-        format!("1 {noun}")
-    } else {
-        format!("{count} {noun}s")
-    }
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }
 
 /// Where the last value inside a value ends. TOML nests at most 80 deep, so this does.

@@ -37,11 +37,7 @@ pub(super) struct Lexer<'a> {
 
 impl<'a> Lexer<'a> {
     pub(super) fn new(text: &'a Text, part: Range<usize>) -> Lexer<'a> {
-        Lexer {
-            text: &text.value,
-            at: part.start,
-            end: part.end.min(text.value.len()),
-        }
+        Lexer { text: &text.value, at: part.start, end: part.end.min(text.value.len()) }
     }
 
     /// The text of a token.
@@ -58,10 +54,7 @@ impl<'a> Lexer<'a> {
         self.at += rest.len() - rest.trim_start().len();
         let rest = self.rest();
         let Some(first) = rest.chars().next() else {
-            return Token {
-                kind: TokenKind::End,
-                at: self.at..self.at,
-            };
+            return Token { kind: TokenKind::End, at: self.at..self.at };
         };
         let (kind, length) = match first {
             '*' if rest.starts_with("**") => (TokenKind::Power, 2),
@@ -92,27 +85,21 @@ fn is_name_start(c: char) -> bool {
 }
 
 fn name_length(rest: &str) -> usize {
-    rest.find(|c: char| !(c.is_alphanumeric() || c == '_'))
-        .unwrap_or(rest.len())
+    rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len())
 }
 
 /// Digits, a point and more digits, and an exponent if digits follow its `e`.
 fn number_length(rest: &str) -> usize {
     let digits = |from: usize| {
         let tail = rest.get(from..).unwrap_or("");
-        from + tail
-            .find(|c: char| !c.is_ascii_digit())
-            .unwrap_or(tail.len())
+        from + tail.find(|c: char| !c.is_ascii_digit()).unwrap_or(tail.len())
     };
     let mut end = digits(0);
     if rest.get(end..).is_some_and(|tail| tail.starts_with('.')) {
         end = digits(end + 1);
     }
     if let Some(tail) = rest.get(end..).filter(|tail| tail.starts_with(['e', 'E'])) {
-        let sign = usize::from(
-            tail.get(1..)
-                .is_some_and(|tail| tail.starts_with(['+', '-'])),
-        );
+        let sign = usize::from(tail.get(1..).is_some_and(|tail| tail.starts_with(['+', '-'])));
         let exponent = digits(end + 1 + sign);
         if exponent > end + 1 + sign {
             end = exponent;

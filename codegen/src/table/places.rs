@@ -6,16 +6,8 @@ use std::ops::Range;
 pub(super) fn line_around(text: &str, at: usize) -> Range<usize> {
     let at = at.min(text.len());
     let bytes = text.as_bytes();
-    let start = bytes
-        .iter()
-        .take(at)
-        .rposition(|byte| *byte == b'\n')
-        .map_or(0, |feed| feed + 1);
-    let end = bytes
-        .iter()
-        .skip(at)
-        .position(|byte| *byte == b'\n')
-        .map_or(bytes.len(), |feed| at + feed);
+    let start = bytes.iter().take(at).rposition(|byte| *byte == b'\n').map_or(0, |feed| feed + 1);
+    let end = bytes.iter().skip(at).position(|byte| *byte == b'\n').map_or(bytes.len(), |feed| at + feed);
     start..end
 }
 
@@ -23,10 +15,7 @@ pub(super) fn line_around(text: &str, at: usize) -> Range<usize> {
 pub(super) fn is_header(line: &str) -> bool {
     let line = line.trim_start();
     let name = line.strip_prefix("[[").or_else(|| line.strip_prefix('['));
-    name.is_some_and(|name| {
-        name.trim_start()
-            .starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-    })
+    name.is_some_and(|name| name.trim_start().starts_with(|c: char| c.is_ascii_alphabetic() || c == '_'))
 }
 
 /// Whether a line looks like the start of `key = value`, or a header.
@@ -67,4 +56,17 @@ pub(super) fn open_bracket(text: &str) -> Option<usize> {
         }
     }
     open.first().copied()
+}
+
+/// Where the next header line after a place starts, or the text ends.
+pub(super) fn next_header(text: &str, after: usize) -> usize {
+    let mut at = after;
+    while at < text.len() {
+        let line = line_around(text, at + 1);
+        if line.start > at && text.get(line.clone()).is_some_and(is_header) {
+            return line.start;
+        }
+        at = line.end.max(at + 1);
+    }
+    text.len()
 }

@@ -2,26 +2,15 @@
 
 use super::fields::{Fields, Reader};
 use super::{
-    BOUNDS, Device, Joint, KeepOut, NamedServo, Placement, Pose, Problem, Robot, Servo, SumLimit,
-    Table, Workspace,
+    BOUNDS, Device, Joint, KeepOut, NamedServo, Placement, Pose, Problem, Robot, Servo, SumLimit, Table,
+    Workspace,
 };
 use crate::diagnostic::{Diagnostic, catalogue, shortened};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-const ROOT: [&str; 11] = [
-    "format",
-    "robot",
-    "joint",
-    "base",
-    "tool",
-    "workspace",
-    "limit",
-    "poses",
-    "ik",
-    "servo",
-    "device",
-];
+const ROOT: [&str; 11] =
+    ["format", "robot", "joint", "base", "tool", "workspace", "limit", "poses", "ik", "servo", "device"];
 const ROBOT: [&str; 5] = ["name", "manufacturer", "source", "convention", "units"];
 const JOINT: [&str; 16] = [
     "name",
@@ -41,73 +30,33 @@ const JOINT: [&str; 16] = [
     "max_jerk",
     "servo",
 ];
-const SERVO: [&str; 7] = [
-    "id",
-    "sign",
-    "zero",
-    "counts_per_turn",
-    "counts_per_unit",
-    "range",
-    "model",
-];
-const NAMED_SERVO: [&str; 8] = [
-    "name",
-    "id",
-    "sign",
-    "zero",
-    "counts_per_turn",
-    "counts_per_unit",
-    "range",
-    "model",
-];
+const SERVO: [&str; 7] = ["id", "sign", "zero", "counts_per_turn", "counts_per_unit", "range", "model"];
+const NAMED_SERVO: [&str; 8] =
+    ["name", "id", "sign", "zero", "counts_per_turn", "counts_per_unit", "range", "model"];
 const PLACEMENT: [&str; 3] = ["xyz", "rpy", "quaternion"];
-const WORKSPACE: [&str; 7] = [
-    "x_min", "x_max", "y_min", "y_max", "z_min", "z_max", "keep_out",
-];
+const WORKSPACE: [&str; 7] = ["x_min", "x_max", "y_min", "y_max", "z_min", "z_max", "keep_out"];
 const PROBLEM: [&str; 5] = ["name", "target", "constraints", "where", "free"];
 
 /// Reads every section.
 pub(super) fn read(reader: &mut Reader, root: &DeTable) -> Table {
-    let whole = Fields {
-        table: root,
-        span: 0..0,
-        place: "a table",
-    };
+    let whole = Fields { table: root, span: 0..0, place: "the table" };
     reader.refuse_unknown(&whole, &ROOT);
     if let Some(value) = root.get("format") {
         format_version(reader, value);
     }
     Table {
         robot: robot(reader, root),
-        joints: reader
-            .entries(root, "joint")
-            .into_iter()
-            .filter_map(|value| joint(reader, value))
-            .collect(),
-        base: root
-            .get("base")
-            .and_then(|value| placement(reader, value, "`[base]`")),
-        tool: root
-            .get("tool")
-            .and_then(|value| placement(reader, value, "`[tool]`")),
-        workspace: root
-            .get("workspace")
-            .and_then(|value| workspace(reader, value))
-            .unwrap_or_default(),
+        joints: reader.entries(root, "joint").into_iter().filter_map(|value| joint(reader, value)).collect(),
+        base: root.get("base").and_then(|value| placement(reader, value, "`[base]`")),
+        tool: root.get("tool").and_then(|value| placement(reader, value, "`[tool]`")),
+        workspace: root.get("workspace").and_then(|value| workspace(reader, value)).unwrap_or_default(),
         limits: reader
             .entries(root, "limit")
             .into_iter()
             .filter_map(|value| sum_limit(reader, value))
             .collect(),
-        poses: root
-            .get("poses")
-            .map(|value| poses(reader, value))
-            .unwrap_or_default(),
-        problems: reader
-            .entries(root, "ik")
-            .into_iter()
-            .filter_map(|value| problem(reader, value))
-            .collect(),
+        poses: root.get("poses").map(|value| poses(reader, value)).unwrap_or_default(),
+        problems: reader.entries(root, "ik").into_iter().filter_map(|value| problem(reader, value)).collect(),
         servos: reader
             .entries(root, "servo")
             .into_iter()
@@ -149,11 +98,7 @@ fn robot(reader: &mut Reader, root: &DeTable) -> Option<Robot> {
     };
     let fields = reader.open(value, "`[robot]`", &ROBOT)?;
     reader.required(&fields, "name", "\"...\"");
-    reader.required(
-        &fields,
-        "convention",
-        "\"standard\"` (distal) or `convention = \"modified\"",
-    );
+    reader.required(&fields, "convention", "\"standard\"` (distal) or `convention = \"modified\"");
     let mut robot = Robot {
         name: reader.text(&fields, "name"),
         manufacturer: reader.text(&fields, "manufacturer"),
@@ -222,17 +167,10 @@ fn named_servo(reader: &mut Reader, value: &Spanned<DeValue>) -> Option<NamedSer
     let fields = reader.open(value, "a `[[servo]]`", &NAMED_SERVO)?;
     reader.required(&fields, "name", "\"hand\"");
     let servo = servo(reader, &fields);
-    Some(NamedServo {
-        name: reader.text(&fields, "name")?,
-        servo,
-    })
+    Some(NamedServo { name: reader.text(&fields, "name")?, servo })
 }
 
-fn placement(
-    reader: &mut Reader,
-    value: &Spanned<DeValue>,
-    place: &'static str,
-) -> Option<Placement> {
+fn placement(reader: &mut Reader, value: &Spanned<DeValue>, place: &'static str) -> Option<Placement> {
     let fields = reader.open(value, place, &PLACEMENT)?;
     Some(Placement {
         xyz: reader.numbers(&fields, "xyz", &["x", "y", "z"]),
@@ -250,16 +188,10 @@ fn workspace(reader: &mut Reader, value: &Spanned<DeValue>) -> Option<Workspace>
         .filter_map(|(index, key)| Some((index, reader.number(&fields, key)?)))
         .collect();
     let mut keep_out = Vec::new();
-    match fields
-        .value("keep_out")
-        .map(|value| (value, value.get_ref()))
-    {
+    match fields.value("keep_out").map(|value| (value, value.get_ref())) {
         None => {}
         Some((_, DeValue::Array(boxes))) => {
-            keep_out = boxes
-                .iter()
-                .filter_map(|value| forbidden_box(reader, value))
-                .collect();
+            keep_out = boxes.iter().filter_map(|value| forbidden_box(reader, value)).collect();
         }
         Some((value, _)) => {
             let wanted = "a list of boxes, such as `[{ min = [0, 0, 0], max = [1, 1, 1] }]`";
@@ -275,11 +207,7 @@ fn forbidden_box(reader: &mut Reader, value: &Spanned<DeValue>) -> Option<KeepOu
     reader.required(&fields, "max", "[x, y, z]");
     let min = reader.numbers(&fields, "min", &["x", "y", "z"]);
     let max = reader.numbers(&fields, "max", &["x", "y", "z"]);
-    Some(KeepOut {
-        min: min?,
-        max: max?,
-        span: fields.span,
-    })
+    Some(KeepOut { min: min?, max: max?, span: fields.span })
 }
 
 fn sum_limit(reader: &mut Reader, value: &Spanned<DeValue>) -> Option<SumLimit> {
@@ -288,11 +216,7 @@ fn sum_limit(reader: &mut Reader, value: &Spanned<DeValue>) -> Option<SumLimit> 
     reader.required(&fields, "range", "[min, max]");
     let of = reader.weights(&fields, "of");
     let range = reader.numbers(&fields, "range", &["min", "max"]);
-    Some(SumLimit {
-        of: of?,
-        range: range?,
-        span: fields.span,
-    })
+    Some(SumLimit { of: of?, range: range?, span: reader.first_line(&fields.span) })
 }
 
 fn poses(reader: &mut Reader, value: &Spanned<DeValue>) -> Vec<Pose> {
@@ -302,11 +226,7 @@ fn poses(reader: &mut Reader, value: &Spanned<DeValue>) -> Vec<Pose> {
     let pose = |(key, value): (&Spanned<_>, &Spanned<DeValue>)| {
         let name = Reader::key_text(key);
         if let DeValue::Array(_) = value.get_ref() {
-            return Some(Pose {
-                q: reader.numbers_of(&shortened(&name.value), value)?,
-                name,
-                safe: false,
-            });
+            return Some(Pose { q: reader.numbers_of(&shortened(&name.value), value)?, name, safe: false });
         }
         if !matches!(value.get_ref(), DeValue::Table(_)) {
             let wanted = "a list of joint values, or `{ q = [...], safe = true }`";
@@ -316,11 +236,7 @@ fn poses(reader: &mut Reader, value: &Spanned<DeValue>) -> Vec<Pose> {
         let fields = reader.open(value, "a pose", &["q", "safe"])?;
         let safe = reader.flag(&fields, "safe").unwrap_or(false);
         let q = reader.required(&fields, "q", "[...]")?;
-        Some(Pose {
-            q: reader.numbers_of("q", q)?,
-            name,
-            safe,
-        })
+        Some(Pose { q: reader.numbers_of("q", q)?, name, safe })
     };
     fields.in_order().into_iter().filter_map(pose).collect()
 }
@@ -363,8 +279,5 @@ fn device(reader: &mut Reader, value: &Spanned<DeValue>) -> Option<Device> {
             _ => keys.push((key.get_ref().to_string(), written.to_owned())),
         }
     }
-    Some(Device {
-        driver: driver?,
-        keys,
-    })
+    Some(Device { driver: driver?, keys })
 }

@@ -56,12 +56,7 @@ impl<'a, S: Float> Violations<'a, S> {
         for (to, from) in copy.iter_mut().zip(q) {
             *to = *from;
         }
-        Self {
-            rules,
-            q: copy,
-            got: q.len(),
-            position,
-        }
+        Self { rules, q: copy, got: q.len(), position }
     }
 
     /// The violation of having the wrong number of joint values.
@@ -81,68 +76,25 @@ impl<'a, S: Float> Violations<'a, S> {
 
     /// Every broken rule: joint limits, sums, bounds, keep-out boxes, each in the table's order.
     pub fn iter(&self) -> impl Iterator<Item = Violation<'a, S>> {
-        let Self {
-            rules,
-            q,
-            got,
-            position,
-        } = *self;
+        let Self { rules, q, got, position } = *self;
         let length = LengthError::check(rules.joints.len(), got).err();
-        let rules = if length.is_some() {
-            Rules::of_joints(&[], &[])
-        } else {
-            rules
-        };
-        let joints = rules
-            .joints
-            .iter()
-            .zip(q)
-            .enumerate()
-            .filter_map(|(joint, (row, value))| {
-                if !value.is_finite() {
-                    return Some(Violation::NotFinite {
-                        joint,
-                        name: row.name,
-                        value,
-                    });
-                }
-                let Limits { min, max } = row.limits.filter(|limits| !within(limits, value))?;
-                Some(Violation::OutsideLimits {
-                    joint,
-                    name: row.name,
-                    kind: row.kind,
-                    value,
-                    min,
-                    max,
-                })
-            });
-        let finite = q
-            .iter()
-            .take(rules.joints.len())
-            .all(|value| value.is_finite());
+        let rules = if length.is_some() { Rules::of_joints(&[], &[]) } else { rules };
+        let joints = rules.joints.iter().zip(q).enumerate().filter_map(|(joint, (row, value))| {
+            if !value.is_finite() {
+                return Some(Violation::NotFinite { joint, name: row.name, value });
+            }
+            let Limits { min, max } = row.limits.filter(|limits| !within(limits, value))?;
+            Some(Violation::OutsideLimits { joint, name: row.name, kind: row.kind, value, min, max })
+        });
+        let finite = q.iter().take(rules.joints.len()).all(|value| value.is_finite());
         // With a joint nowhere, sums and the tool point are nowhere too: nothing more to be said of them.
-        let rules = if finite {
-            rules
-        } else {
-            Rules::of_joints(&[], &[])
-        };
-        let sums = rules
-            .sums
-            .iter()
-            .enumerate()
-            .filter_map(move |(index, sum)| sum_rule(index, sum, &q));
-        let bounds = rules
-            .bounds
-            .iter()
-            .filter_map(move |bound| bound_rule(bound, position));
+        let rules = if finite { rules } else { Rules::of_joints(&[], &[]) };
+        let sums = rules.sums.iter().enumerate().filter_map(move |(index, sum)| sum_rule(index, sum, &q));
+        let bounds = rules.bounds.iter().filter_map(move |bound| bound_rule(bound, position));
         let boxes = rules.keep_out.iter().enumerate();
         let boxes = boxes.filter_map(move |(index, keep)| keep_out_rule(index, keep, position));
         let forbidden = sums.chain(bounds).chain(boxes).map(Violation::Forbidden);
-        length
-            .map(Violation::Length)
-            .into_iter()
-            .chain(joints)
-            .chain(forbidden)
+        length.map(Violation::Length).into_iter().chain(joints).chain(forbidden)
     }
 }
 
@@ -153,14 +105,7 @@ impl<S: Float> fmt::Display for Violation<'_, S> {
             Self::NotFinite { joint, name, value } => {
                 write!(f, "joint {} ({name}) is {value}", joint + 1)
             }
-            Self::OutsideLimits {
-                joint,
-                name,
-                kind,
-                value,
-                min,
-                max,
-            } => {
+            Self::OutsideLimits { joint, name, kind, value, min, max } => {
                 let unit = kind.unit();
                 write!(
                     f,

@@ -29,28 +29,17 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let size = half.abs();
         let one_sign = (a > S::ZERO) == (c > S::ZERO);
         // How far the equation is from a double root, in its own dimension: (half² - a c) / |a|.
-        let inside = if one_sign {
-            (size - mean) * (size + mean)
-        } else {
-            size * size + mean * mean
-        } / a.abs();
+        let inside =
+            if one_sign { (size - mean) * (size + mean) } else { size * size + mean * mean } / a.abs();
         if inside < -scale.tolerance {
             let excess = (mean - size) / a.abs() * unit;
-            return self.fail_step(
-                step,
-                -inside / scale.size,
-                IkError::Unreachable { step, excess },
-            );
+            return self.fail_step(step, -inside / scale.size, IkError::Unreachable { step, excess });
         }
         if inside <= S::from_f64(DOUBLE_ROOT) * S::EPSILON * scale.size.max(size * size / a.abs()) {
             return Roots::one(-half / a * unit);
         }
         let root = (inside * a.abs()).sqrt();
-        let greater = if half < S::ZERO {
-            size + root
-        } else {
-            -(size + root)
-        };
+        let greater = if half < S::ZERO { size + root } else { -(size + root) };
         let (first, second) = (greater / a * unit, c / greater * unit);
         match (first.is_finite(), second.is_finite()) {
             (true, true) => Roots::two(first, second),
@@ -69,11 +58,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             return self.degenerate(step, c.abs(), scale);
         }
         let root = c / a * self.unit(step);
-        if root.is_finite() {
-            Roots::one(root)
-        } else {
-            self.not_finite(step)
-        }
+        if root.is_finite() { Roots::one(root) } else { self.not_finite(step) }
     }
 
     /// The size of the unknown: the reach (m), or 1 rad.

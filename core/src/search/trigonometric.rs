@@ -56,11 +56,8 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         if !(h1.is_finite() && h2.is_finite() && gap.is_finite()) {
             return self.not_finite(step);
         }
-        let (larger, h, smaller, h_small) = if h1 >= h2 {
-            (first, h1, second, h2)
-        } else {
-            (second, h2, first, h1)
-        };
+        let (larger, h, smaller, h_small) =
+            if h1 >= h2 { (first, h1, second, h2) } else { (second, h2, first, h1) };
         // Coefficients that are themselves the root of a rounding error (the sine of a wrist angle next to 0) are 0 if
         // the right-hand sides, which are known to the last digits, are.
         if h <= scale.vanishing || (h <= scale.tolerance && gap <= scale.vanishing) {
@@ -73,8 +70,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             }
             return self.solve_trig(step, larger, &scale);
         }
-        let ([a1, b1, c1], [a2, b2, c2]) =
-            ([a1 / h1, b1 / h1, c1 / h1], [a2 / h2, b2 / h2, c2 / h2]);
+        let ([a1, b1, c1], [a2, b2, c2]) = ([a1 / h1, b1 / h1, c1 / h1], [a2 / h2, b2 / h2, c2 / h2]);
         let determinant = a1 * b2 - a2 * b1;
         if determinant.abs() <= S::from_f64(PARALLEL) * S::SQRT_EPSILON {
             return self.solve_trig(step, larger, &scale);
@@ -89,8 +85,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         if off > scale.tolerance / rest {
             return self.unreachable(step, off * h, h, &scale);
         }
-        if off > S::from_f64(UNRELIABLE) && rest <= scale.tolerance && rest < S::from_f64(WEAK) * h
-        {
+        if off > S::from_f64(UNRELIABLE) && rest <= scale.tolerance && rest < S::from_f64(WEAK) * h {
             return self.solve_trig(step, larger, &scale);
         }
         if length <= S::ZERO {
@@ -102,11 +97,8 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
 
     /// `excess` is in the dimension of the equation, whose coefficients have size `h`.
     fn unreachable(&mut self, step: Step, excess: S, h: S, scale: &Scale<S>) -> Roots<S> {
-        let (excess, miss) = if step.excess_is_length() {
-            (excess, excess / scale.size)
-        } else {
-            (excess / h, excess / h)
-        };
+        let (excess, miss) =
+            if step.excess_is_length() { (excess, excess / scale.size) } else { (excess / h, excess / h) };
         self.fail_step(step, miss, IkError::Unreachable { step, excess })
     }
 }

@@ -3,8 +3,8 @@
 use core::f64::consts::TAU;
 
 use dh_core::{
-    FULL_POSE, Frame, IkError, Joint, JointKind, Kinematics, LengthError, Limits, Measure,
-    ProblemInfo, Rules, Search, SolutionSet, Step, Target, TargetKind, Winding,
+    FULL_POSE, Frame, IkError, Joint, JointKind, Kinematics, LengthError, Limits, Measure, ProblemInfo,
+    Rules, Search, SolutionSet, Step, Target, TargetKind, Winding,
 };
 
 const A1: f64 = 0.5;
@@ -25,18 +25,10 @@ const fn joint(name: &'static str, max: f64) -> Joint<'static> {
 }
 
 const fn winding(joint: usize) -> Winding<'static> {
-    Winding {
-        joint,
-        turn: TAU,
-        carries: &[],
-    }
+    Winding { joint, turn: TAU, carries: &[] }
 }
 
-const JOINTS: [Joint<'static>; 3] = [
-    joint("shoulder", 6.0),
-    joint("elbow", 2.5),
-    joint("wrist", 4.0),
-];
+const JOINTS: [Joint<'static>; 3] = [joint("shoulder", 6.0), joint("elbow", 2.5), joint("wrist", 4.0)];
 const WINDINGS: [Winding<'static>; 3] = [winding(0), winding(1), winding(2)];
 
 /// Its rules may be set; its kinematics are fixed.
@@ -46,21 +38,15 @@ pub(crate) struct Planar {
 
 impl Planar {
     pub(crate) fn new() -> Self {
-        Self {
-            rules: Rules::of_joints(&JOINTS, &WINDINGS),
-        }
+        Self { rules: Rules::of_joints(&JOINTS, &WINDINGS) }
     }
 
     fn chain(q: &[f64]) -> Result<[Frame; 4], LengthError> {
         let &[q1, q2, q3] = q else {
-            return Err(LengthError {
-                expected: 3,
-                got: q.len(),
-            });
+            return Err(LengthError { expected: 3, got: q.len() });
         };
         let link = |angle, length| {
-            Frame::from_rpy([0.0; 3], [0.0, 0.0, angle])
-                * Frame::from_translation([length, 0.0, 0.0])
+            Frame::from_rpy([0.0; 3], [0.0, 0.0, angle]) * Frame::from_translation([length, 0.0, 0.0])
         };
         let first = link(q1, A1);
         let second = first * link(q2, A2);
@@ -83,16 +69,8 @@ impl Kinematics for Planar {
     }
     fn problems(&self) -> &[ProblemInfo<'_>] {
         &[
-            ProblemInfo {
-                name: FULL_POSE,
-                target: TargetKind::Pose,
-                free: &[],
-            },
-            ProblemInfo {
-                name: "plane",
-                target: TargetKind::XyYaw,
-                free: &[],
-            },
+            ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
+            ProblemInfo { name: "plane", target: TargetKind::XyYaw, free: &[] },
         ]
     }
     fn fk(&self, q: &[f64]) -> Result<Frame, LengthError> {
@@ -104,13 +82,8 @@ impl Kinematics for Planar {
     fn frames_into(&self, q: &[f64], out: &mut [Frame]) -> Result<usize, LengthError> {
         let chain = Self::chain(q)?;
         let got = out.len();
-        let short = LengthError {
-            expected: chain.len(),
-            got,
-        };
-        out.get_mut(..chain.len())
-            .ok_or(short)?
-            .copy_from_slice(&chain);
+        let short = LengthError { expected: chain.len(), got };
+        out.get_mut(..chain.len()).ok_or(short)?.copy_from_slice(&chain);
         Ok(chain.len())
     }
     fn jacobian_into(&self, q: &[f64], out: &mut [[f64; 6]]) -> Result<(), LengthError> {
@@ -122,47 +95,25 @@ impl Kinematics for Planar {
         }
         Ok(())
     }
-    fn ik_into(
-        &self,
-        problem: &str,
-        target: &Target,
-        out: &mut SolutionSet,
-    ) -> Result<(), IkError> {
+    fn ik_into(&self, problem: &str, target: &Target, out: &mut SolutionSet) -> Result<(), IkError> {
         const STEP_1: Step = Step::new(0, 0b010, false, Measure::Area);
         const STEP_2: Step = Step::new(1, 0b001, false, Measure::Length);
         const STEP_3: Step = Step::new(2, 0b100, false, Measure::Ratio);
         out.clear();
-        let info = self
-            .problems()
-            .iter()
-            .find(|info| info.name == problem)
-            .ok_or(IkError::UnknownProblem)?;
+        let info = self.problems().iter().find(|info| info.name == problem).ok_or(IkError::UnknownProblem)?;
         let target = target.validate()?;
         let (px, py, cyaw, syaw) = match target {
-            Target::Pose(pose) => (
-                pose.translation[0],
-                pose.translation[1],
-                pose.rotation[0][0],
-                pose.rotation[1][0],
-            ),
-            Target::XyYaw {
-                position: [px, py],
-                yaw,
-            } => (px, py, yaw.cos(), yaw.sin()),
+            Target::Pose(pose) => {
+                (pose.translation[0], pose.translation[1], pose.rotation[0][0], pose.rotation[1][0])
+            }
+            Target::XyYaw { position: [px, py], yaw } => (px, py, yaw.cos(), yaw.sin()),
             _ => {
-                return Err(IkError::WrongTarget {
-                    expected: info.target,
-                });
+                return Err(IkError::WrongTarget { expected: info.target });
             }
         };
         let (wx, wy) = (px - A3 * cyaw, py - A3 * syaw);
         let mut search = Search::<3>::new(REACH, &WINDINGS);
-        for theta2 in search.trig(
-            STEP_1,
-            2.0 * A1 * A2,
-            0.0,
-            wx * wx + wy * wy - A1 * A1 - A2 * A2,
-        ) {
+        for theta2 in search.trig(STEP_1, 2.0 * A1 * A2, 0.0, wx * wx + wy * wy - A1 * A1 - A2 * A2) {
             let (s2, c2) = theta2.sin_cos();
             let (x2, y2) = (A1 + A2 * c2, A2 * s2);
             for theta1 in search.trig_pair(STEP_2, [x2, -y2, wx], [y2, x2, wy]) {

@@ -19,7 +19,7 @@ pub(crate) fn planar() -> (Model, Plan) {
     model.servos = vec![NamedServo { name: "hand".to_owned(), servo: servo() }];
     let elbow_up = Filter { form: linear(1, "theta2 <= 0"), strict: false };
     model.problems = vec![problem("xy", Vec::new()), problem("elbow_up", vec![elbow_up])];
-    let mut plan = plan::build(&model);
+    let (mut plan, _) = plan::build(&model);
     let (a1, a2) = (constant(&plan, "a1"), constant(&plan, "a2"));
     plan.functions.extend([planar_inverse(0, &a1, &a2), planar_inverse(1, &a1, &a2)]);
     (model, plan)
@@ -34,7 +34,7 @@ pub(crate) fn polar() -> (Model, Plan) {
     rows[1].limits = Some(Limits { min: 0.0, max: 0.8 });
     let mut model = robot("Polar", rows);
     model.problems = vec![problem("xy", Vec::new())];
-    let mut plan = plan::build(&model);
+    let (mut plan, _) = plan::build(&model);
     let a2 = constant(&plan, "a2");
     plan.functions.push(polar_inverse(a2));
     (model, plan)
@@ -209,6 +209,7 @@ fn stage(rows: u32, unknown: &str, measure: Measure, equation: &str, origin: &st
         unknown: unknown.to_owned(),
         measure,
         equation: equation.to_owned(),
+        definitions: Vec::new(),
         origin: origin.to_owned(),
     }
 }

@@ -24,7 +24,11 @@ use ::dh_runtime::{
 ///
 /// Reach: 0.9 m. The methods take and return metres and radians, whatever the units of the table.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
-#[allow(unreachable_pub, reason = "it may be public or not where it is used")]
+#[allow(
+    unreachable_pub,
+    clippy::doc_markdown,
+    reason = "public where it is used or not, and documented in the words of the table"
+)]
 pub struct Planar2R;
 
 const A2: f64 = 0.4; // link length of joint 2, table line 2
@@ -153,7 +157,8 @@ impl Planar2R {
     ///
     /// # Errors
     ///
-    /// [`Violations`](::dh_runtime::Violations), which lists them with their numbers.
+    /// [`Violations`], which lists them with their numbers.
+    #[allow(clippy::result_large_err, reason = "no heap to put it on")]
     pub fn check(&self, q: &[f64; 2]) -> Result<(), Violations<'static>> {
         Self::RULES.check(q, tool_point(q))
     }
@@ -172,7 +177,7 @@ impl Planar2R {
     ///
     /// # Errors
     ///
-    /// [`IkError`](::dh_runtime::IkError): the first step of the solution that fails decides.
+    /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_xy(&self, position: &Point2<f64>) -> Result<Solutions<2>, IkError> {
         solve_xy(&Target::Xy((*position).into()))
     }
@@ -221,7 +226,7 @@ impl Planar2R {
     ///
     /// # Errors
     ///
-    /// [`IkError`](::dh_runtime::IkError): the first step of the solution that fails decides.
+    /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_elbow_up(&self, position: &Point2<f64>) -> Result<Solutions<2>, IkError> {
         solve_elbow_up(&Target::Xy((*position).into()))
     }

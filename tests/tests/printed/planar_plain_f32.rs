@@ -23,7 +23,11 @@ use ::dh_runtime::{
 ///
 /// Reach: 0.9 m. The methods take and return metres and radians, whatever the units of the table.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
-#[allow(unreachable_pub, reason = "it may be public or not where it is used")]
+#[allow(
+    unreachable_pub,
+    clippy::doc_markdown,
+    reason = "public where it is used or not, and documented in the words of the table"
+)]
 pub struct Planar2R;
 
 const A2: f32 = 0.4; // link length of joint 2, table line 2
@@ -151,7 +155,8 @@ impl Planar2R {
     ///
     /// # Errors
     ///
-    /// [`Violations`](::dh_runtime::Violations), which lists them with their numbers.
+    /// [`Violations`], which lists them with their numbers.
+    #[allow(clippy::result_large_err, reason = "no heap to put it on")]
     pub fn check(&self, q: &[f32; 2]) -> Result<(), Violations<'static, f32>> {
         Self::RULES.check(q, tool_point(q))
     }
@@ -170,7 +175,7 @@ impl Planar2R {
     ///
     /// # Errors
     ///
-    /// [`IkError`](::dh_runtime::IkError): the first step of the solution that fails decides.
+    /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_xy(&self, position: &[f32; 2]) -> Result<Solutions<2, f32>, IkError<f32>> {
         solve_xy(&Target::Xy(*position))
     }
@@ -219,7 +224,7 @@ impl Planar2R {
     ///
     /// # Errors
     ///
-    /// [`IkError`](::dh_runtime::IkError): the first step of the solution that fails decides.
+    /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_elbow_up(&self, position: &[f32; 2]) -> Result<Solutions<2, f32>, IkError<f32>> {
         solve_elbow_up(&Target::Xy(*position))
     }

@@ -22,7 +22,11 @@ use ::dh_runtime::{
 ///
 /// Reach: 1.05 m. The methods take and return metres and radians, whatever the units of the table.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
-#[allow(unreachable_pub, reason = "it may be public or not where it is used")]
+#[allow(
+    unreachable_pub,
+    clippy::doc_markdown,
+    reason = "public where it is used or not, and documented in the words of the table"
+)]
 pub struct Polar;
 
 const A2: f64 = 0.25; // link length of joint 2, table line 2
@@ -139,7 +143,8 @@ impl Polar {
     ///
     /// # Errors
     ///
-    /// [`Violations`](::dh_runtime::Violations), which lists them with their numbers.
+    /// [`Violations`], which lists them with their numbers.
+    #[allow(clippy::result_large_err, reason = "no heap to put it on")]
     pub fn check(&self, q: &[f64; 2]) -> Result<(), Violations<'static>> {
         Self::RULES.check(q, tool_point(q))
     }
@@ -158,7 +163,7 @@ impl Polar {
     ///
     /// # Errors
     ///
-    /// [`IkError`](::dh_runtime::IkError): the first step of the solution that fails decides.
+    /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_xy(&self, position: &Point2<f64>) -> Result<Solutions<2>, IkError> {
         solve_xy(&Target::Xy((*position).into()))
     }

@@ -92,10 +92,15 @@ impl<'a> Printer<'a> {
 
     /// Lints that a function's text cannot help.
     pub(super) fn allowances(text: &mut Text, body: &str) {
-        let long = if body.lines().count() > MANY_LINES { ", clippy::too_many_lines" } else { "" };
-        text.line(format!(
-            "#[allow(clippy::similar_names{long}, reason = \"the names are those of the equations\")]"
-        ));
+        let reason = "reason = \"the names are those of the equations\"";
+        if body.lines().count() <= MANY_LINES {
+            return text.line(format!("#[allow(clippy::similar_names, {reason})]"));
+        }
+        text.open("#[allow(");
+        text.line("clippy::similar_names,");
+        text.line("clippy::too_many_lines,");
+        text.line(reason);
+        text.close(")]");
     }
 
     /// A function with the names of its values.
@@ -162,12 +167,13 @@ impl<'a> Printer<'a> {
         text.gap();
         let q = self.joints_type();
         let units = joint_units(self.model);
-        let rule = "Every limit and workspace rule that joint values (".to_owned();
-        text.documentation([format!("{rule}{units}) break, not only the first."), String::new()]);
+        let listed = format!("{}, which lists them with their numbers.", self.paths.link("Violations"));
         text.documentation([
+            &format!("Every limit and workspace rule that joint values ({units}) break, not only the first."),
             "# Errors",
-            "[`Violations`](::dh_runtime::Violations), which lists them with their numbers.",
+            &listed,
         ]);
+        text.line("#[allow(clippy::result_large_err, reason = \"no heap to put it on\")]");
         let violations =
             format!("{}<'static{}>", self.paths.runtime("Violations"), self.scalar_argument(", "));
         let result = self.paths.prelude("Result");

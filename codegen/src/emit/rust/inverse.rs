@@ -42,7 +42,8 @@ impl<'a> Printer<'a> {
         let seeded: Vec<_> =
             parameters.iter().cloned().chain([format!("seed: &{}", self.joints_type())]).collect();
         let solve = private_name(problem);
-        let errors = "[`IkError`](::dh_runtime::IkError): the first step of the solution that fails decides.";
+        let errors =
+            format!("{}: the first step of the solution that fails decides.", self.paths.link("IkError"));
         let units = joint_units(self.model);
 
         text.gap();
@@ -59,7 +60,7 @@ impl<'a> Printer<'a> {
             paragraphs.push(stages);
         }
         paragraphs.push(format!("Besides solving, on each branch: {}", operations(function.counts)));
-        paragraphs.extend(["# Errors".to_owned(), errors.to_owned()]);
+        paragraphs.extend(["# Errors".to_owned(), errors]);
         text.documentation(paragraphs);
         text.signature(&format!("pub fn ik_all{suffix}"), &parameters, &result);
         text.line(format!("{solve}(&{})", arguments.target));

@@ -147,10 +147,12 @@ pub(super) fn statement(indent: usize, head: &str, expression: &Expression, tail
         return format!("{margin}{}{tail}", expression.lines(indent, indent, tail.len()));
     }
     let beside = expression.lines(indent, indent + head.len() + 1, tail.len());
-    if beside.contains('\n') {
+    let long = beside.lines().next().map_or(0, str::len) + indent + head.len() + 1 + tail.len() > WIDTH;
+    if beside.contains('\n') || long {
         let below = expression.lines(indent + TAB, indent + TAB, tail.len());
-        let own = matches!(expression, Expression::Binary(..) | Expression::Neg(_));
-        if own && (!below.contains('\n') || beside.lines().count() > below.lines().count() + 1) {
+        let own = matches!(expression, Expression::Binary(..) | Expression::Neg(_) | Expression::Atom(_));
+        let fits = indent + TAB + below.len() + tail.len() <= WIDTH;
+        if own && (fits && !below.contains('\n') || beside.lines().count() > below.lines().count() + 1) {
             return format!("{margin}{head}\n{}{below}{tail}", " ".repeat(indent + TAB));
         }
     }

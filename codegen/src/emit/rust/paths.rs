@@ -33,6 +33,12 @@ impl Paths {
         self.imported("::dh_runtime", name)
     }
 
+    /// A link of documentation to an item of `dh_runtime`.
+    pub(super) fn link(&self, name: &str) -> String {
+        let path = self.runtime(name);
+        if path == name { format!("[`{name}`]") } else { format!("[`{name}`]({path})") }
+    }
+
     /// A type of nalgebra, through `dh_runtime`.
     pub(super) fn nalgebra(&self, name: &str) -> String {
         self.imported("::dh_runtime::nalgebra", name)

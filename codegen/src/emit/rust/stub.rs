@@ -1,12 +1,14 @@
 //! What is printed for a table with mistakes: the functions that it would have had, so that each mistake is reported
 //! once, where it was made, and not again wherever a function is used.
 
-use super::{Attached, Options, attach};
+use super::paths::{Paths, Style};
+use super::text::Text;
+use super::{Attached, Generics, Options, Types, attach};
 use crate::model::{
     Angle, AngleUnit, Convention, JointKind, LengthUnit, Model, Placement, Problem, Rotation, Row, Target,
     Units, Workspace,
 };
-use crate::plan::{Counts, Function, FunctionKind, Plan, Scalar, target_inputs};
+use crate::plan::{Counts, Function, FunctionKind, Plan, Scalar};
 
 /// What could be read of a table.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -17,11 +19,55 @@ pub struct Outline {
     pub problems: Vec<(String, Target)>,
 }
 
-/// Functions of the right signatures that compute nothing, to go with an error.
+/// Functions of the right signatures that compute nothing, to go with an error. Where no row could be read, those that
+/// any arm has, for any number of joints.
 pub fn stub(outline: &Outline, options: &Options) -> Attached {
-    let model = hollow_model(outline);
-    let plan = hollow_plan(&model);
-    Attached { documentation: String::new(), ..attach(&model, &plan, options) }
+    let items = if outline.rows.is_empty() {
+        of_any_arm(options)
+    } else {
+        let model = hollow_model(outline);
+        attach(&model, &hollow_plan(&model), options).items
+    };
+    Attached { documentation: String::new(), items }
+}
+
+/// Methods of an arm of which nothing is known.
+fn of_any_arm(options: &Options) -> String {
+    let name = options.name.clone().unwrap_or_default();
+    let paths = Paths::new(Style::Attribute, &name);
+    let ty = |name: &str| paths.runtime(name);
+    let scalar = options.scalar.name();
+    let frame = ty(if options.types == Types::Nalgebra { "Pose" } else { "Frame" });
+    let jacobian = match options.types {
+        Types::Nalgebra => format!("{}<N, {scalar}>", ty("Jacobian")),
+        Types::Plain => format!("[[{scalar}; 6]; N]"),
+    };
+    let result = paths.prelude("Result");
+    let (error, violations) = (ty("IkError"), ty("Violations"));
+    let solutions = format!("{result}<{}<N, {scalar}>, {error}<{scalar}>>", ty("Solutions"));
+    let q = format!("q: &[{scalar}; N]");
+    let target = format!("target: &{frame}<{scalar}>");
+    let methods = [
+        ("fk", q.clone(), format!("{frame}<{scalar}>")),
+        ("fk_flange", q.clone(), format!("{frame}<{scalar}>")),
+        ("jacobian", q.clone(), jacobian.clone()),
+        ("fk_jacobian", q.clone(), format!("({frame}<{scalar}>, {jacobian})")),
+        ("check", q, format!("{result}<(), {violations}<'static, {scalar}>>")),
+        ("ik", target.clone(), solutions.clone()),
+        ("ik_all", target.clone(), solutions.clone()),
+        ("ik_near", format!("{target}, seed: &[{scalar}; N]"), solutions),
+    ];
+    let Generics { parameters, arguments, clause } = &options.generics;
+    let mut text = Text::default();
+    text.line("#[allow(missing_docs, unused_variables)]");
+    text.open(format!("impl{parameters} {name}{arguments} {clause} {{"));
+    for (method, parameters, result) in methods {
+        text.line(format!(
+            "pub fn {method}<const N: usize>(&self, {parameters}) -> {result} {{ loop {{}} }}"
+        ));
+    }
+    text.close("}");
+    text.into_string()
 }
 
 fn hollow_model(outline: &Outline) -> Model {
@@ -102,8 +148,8 @@ fn hollow_plan(model: &Model) -> Plan {
     let q: Vec<_> = (1..=joints).map(|i| format!("q{i}")).collect();
     let mut functions: Vec<_> =
         forward.into_iter().map(|(kind, outputs)| function(kind, q.clone(), outputs)).collect();
-    let inverse = |problem, target| {
-        let inputs = target_inputs(target).iter().map(ToString::to_string).collect();
+    let inverse = |problem, target: Target| {
+        let inputs = target.input_names().iter().map(ToString::to_string).collect();
         function(FunctionKind::Inverse(problem), inputs, 0)
     };
     functions.push(inverse(None, Target::Pose));

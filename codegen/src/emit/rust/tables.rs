@@ -26,7 +26,8 @@ impl Printer<'_> {
         for (name, documentation, value) in texts {
             let Some(value) = value else { continue };
             text.line(format!("/// {documentation}"));
-            text.line(format!("pub const {name}: &'static str = {value:?};"));
+            let head = format!("pub const {name}: &'static str =");
+            text.laid_out(&statement(4, &head, &Expression::Atom(format!("{value:?}")), ";"));
         }
         text.line("/// Number of joint variables.");
         text.line(format!("pub const DOF: usize = {};", model.joints.len()));
@@ -116,11 +117,11 @@ impl Printer<'_> {
 
     fn problems(&self, text: &mut Text) {
         let info = self.paths.runtime("ProblemInfo");
-        let kind = self.paths.runtime("TargetKind");
         let inverse: Vec<_> = self.inverse_functions().collect();
         let ty = format!("[{info}<'static>; {}]", inverse.len());
         self.table(text, "PROBLEMS", &ty, "The inverse problems that are solved.", |_| {
             let problems = inverse.iter().map(|(_, problem)| {
+                let kind = self.paths.runtime("TargetKind");
                 let (name, target, free): (_, _, &[usize]) = match problem {
                     Some(problem) => (format!("{:?}", problem.name), problem.target, &problem.free),
                     None => (self.paths.runtime("FULL_POSE"), Target::Pose, &[]),

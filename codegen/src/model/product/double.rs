@@ -12,15 +12,9 @@ pub(super) struct Double {
 }
 
 /// pi / 2
-const QUARTER_TURN: Double = Double {
-    high: core::f64::consts::FRAC_PI_2,
-    low: 6.123_233_995_736_766e-17,
-};
+const QUARTER_TURN: Double = Double { high: core::f64::consts::FRAC_PI_2, low: 6.123_233_995_736_766e-17 };
 /// 1 / 12 of pi
-const FIFTEENTH: Double = Double {
-    high: 0.261_799_387_799_149_46,
-    low: -2.680_204_416_127_727_5e-17,
-};
+const FIFTEENTH: Double = Double { high: 0.261_799_387_799_149_46, low: -2.680_204_416_127_727_5e-17 };
 
 /// Taylor terms of sine and cosine up to pi / 4, until they vanish.
 const TERMS: i32 = 30;
@@ -29,18 +23,12 @@ impl Double {
     fn from_sum(one: f64, two: f64) -> Double {
         let high = one + two;
         let part = high - one;
-        Double {
-            high,
-            low: (one - (high - part)) + (two - part),
-        }
+        Double { high, low: (one - (high - part)) + (two - part) }
     }
 
     fn from_product(one: f64, two: f64) -> Double {
         let high = one * two;
-        Double {
-            high,
-            low: libm::fma(one, two, -high),
-        }
+        Double { high, low: libm::fma(one, two, -high) }
     }
 
     fn divided_by(self, divisor: f64) -> Double {
@@ -69,10 +57,7 @@ impl Double {
 
 impl Number for Double {
     fn of(value: f64) -> Double {
-        Double {
-            high: value,
-            low: 0.0,
-        }
+        Double { high: value, low: 0.0 }
     }
 
     fn nearest(self) -> f64 {
@@ -121,10 +106,7 @@ impl Neg for Double {
     type Output = Double;
 
     fn neg(self) -> Double {
-        Double {
-            high: -self.high,
-            low: -self.low,
-        }
+        Double { high: -self.high, low: -self.low }
     }
 }
 

@@ -6,6 +6,7 @@
 
 use crate::symbolic::number::Number;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 /// Something without structure that polynomials are made of: a number of the table, of the target, an unknown slide,
 /// or a known quantity with a definition of its own. Index into [`super::atoms::Atoms`].
@@ -65,9 +66,9 @@ impl Polynomial {
         match frequency.iter().find(|multiple| **multiple != 0) {
             None if sine => return Self::zero(),
             Some(first) if *first < 0 => {
-                frequency.iter_mut().for_each(|multiple| *multiple = -*multiple);
+                frequency = frequency.iter().map(|multiple| -multiple).collect();
                 if sine {
-                    coefficient = coefficient.neg();
+                    coefficient = -coefficient;
                 }
             }
             _ => {}
@@ -98,7 +99,7 @@ impl Polynomial {
     pub(super) fn add_scaled(&self, other: &Self, factor: Number) -> Outcome<Self> {
         let mut sum = self.clone();
         for (key, number) in &other.terms {
-            sum.put(key.clone(), number.mul(factor).ok_or(Overflow)?)?;
+            sum.put(key.clone(), number.checked_mul(factor).ok_or(Overflow)?)?;
         }
         Ok(sum)
     }
@@ -123,7 +124,7 @@ impl Polynomial {
         let mut product = Self::zero();
         for (a, m) in &self.terms {
             for (b, n) in &other.terms {
-                let coefficient = m.mul(*n).ok_or(Overflow)?;
+                let coefficient = m.checked_mul(*n).ok_or(Overflow)?;
                 let monomial = multiply(&a.monomial, &b.monomial);
                 product.put_product(a, b, monomial, coefficient)?;
             }
@@ -140,18 +141,17 @@ impl Polynomial {
     ) -> Outcome<()> {
         let constant = |key: &Key| key.frequency.iter().all(|multiple| *multiple == 0);
         if constant(a) || constant(b) {
-            let (frequency, sine) =
-                if constant(a) { (&b.frequency, b.sine) } else { (&a.frequency, a.sine) };
+            let (frequency, sine) = if constant(a) { (&b.frequency, b.sine) } else { (&a.frequency, a.sine) };
             return self.put_term(frequency.clone(), sine, monomial, coefficient);
         }
         let combine = |sign: i16| a.frequency.iter().zip(&b.frequency).map(|(x, y)| x + sign * y).collect();
-        let half = coefficient.mul(Number::HALF).ok_or(Overflow)?;
+        let half = coefficient.checked_mul(Number::HALF).ok_or(Overflow)?;
         // cos a cos b = (cos(a-b) + cos(a+b)) / 2, sin a sin b = (cos(a-b) - cos(a+b)) / 2,
         // sin a cos b = (sin(a+b) + sin(a-b)) / 2, cos a sin b = (sin(a+b) - sin(a-b)) / 2.
         let sine = a.sine != b.sine;
         let (plus, minus) = match (a.sine, b.sine) {
-            (true, true) => (half.neg(), half),
-            (false, true) => (half, half.neg()),
+            (true, true) => (-half, half),
+            (false, true) => (half, -half),
             _ => (half, half),
         };
         self.put_term(combine(1), sine, monomial.clone(), plus)?;
@@ -171,10 +171,18 @@ impl Polynomial {
     }
 
     fn put(&mut self, key: Key, number: Number) -> Outcome<()> {
-        let entry = self.terms.entry(key.clone()).or_insert(Number::ZERO);
-        *entry = entry.add(number).ok_or(Overflow)?;
-        if entry.is_zero() {
-            self.terms.remove(&key);
+        match self.terms.entry(key) {
+            Entry::Vacant(place) => {
+                place.insert(number);
+            }
+            Entry::Occupied(mut place) => {
+                let sum = place.get().checked_add(number).ok_or(Overflow)?;
+                if sum.is_zero() {
+                    place.remove();
+                } else {
+                    place.insert(sum);
+                }
+            }
         }
         Ok(())
     }

@@ -56,7 +56,7 @@ impl Reading {
                     sign = Number::integer(-1);
                 }
             }
-            let coefficient = number.mul(sign).ok_or(Overflow)?;
+            let coefficient = number.checked_mul(sign).ok_or(Overflow)?;
             let (slides, rest): (Vec<_>, Vec<_>) =
                 key.monomial.iter().copied().partition(|(atom, _)| open.slides.contains(atom));
             let constant = unknown.iter().all(|k| *k == 0);
@@ -70,7 +70,7 @@ impl Reading {
             } else {
                 // cos(K + U) = cos K cos U - sin K sin U
                 cos.put_term(known.clone(), false, rest.clone(), coefficient)?;
-                sin.put_term(known, true, rest, coefficient.neg())?;
+                sin.put_term(known, true, rest, -coefficient)?;
             }
         }
         reading.parts.retain(|_, [cos, sin]| !(cos.is_zero() && sin.is_zero()));
@@ -120,28 +120,25 @@ impl Reading {
                 };
                 frequency.iter().any(|k| k.abs() == 1).then_some(trig)
             }
-            parts => self.slide(parts, constant),
+            parts => slide(parts, constant),
         })
     }
+}
 
-    fn slide(
-        &self,
-        parts: &[(&Unknown, &[Polynomial; 2])],
-        constant: Polynomial,
-    ) -> Option<Simple> {
-        let mut powers = [constant, Polynomial::zero(), Polynomial::zero()];
-        let mut slide = None;
-        for ((frequency, slides), [coefficient, _]) in parts {
-            let [(atom, power)] = slides.as_slice() else { return None };
-            if frequency.iter().any(|k| *k != 0) || slide.is_some_and(|known| known != *atom) {
-                return None;
-            }
-            slide = Some(*atom);
-            *powers.get_mut(usize::from(*power))? = coefficient.clone();
+/// The equation in one slide that these unknown parts and the known one make.
+fn slide(parts: &[(&Unknown, &[Polynomial; 2])], constant: Polynomial) -> Option<Simple> {
+    let mut powers = [constant, Polynomial::zero(), Polynomial::zero()];
+    let mut slide = None;
+    for ((frequency, slides), [coefficient, _]) in parts {
+        let [(atom, power)] = slides.as_slice() else { return None };
+        if frequency.iter().any(|k| *k != 0) || slide.is_some_and(|known| known != *atom) {
+            return None;
         }
-        let [c, b, a] = powers;
-        Some(Simple::Slide { slide: slide?, a, b, c })
+        slide = Some(*atom);
+        *powers.get_mut(usize::from(*power))? = coefficient.clone();
     }
+    let [c, b, a] = powers;
+    Some(Simple::Slide { slide: slide?, a, b, c })
 }
 
 /// Replaces the known part, where it is more than a number of the table, by an atom, so that squares stay short.

@@ -6,7 +6,7 @@
 //! and the shortest coefficients is kept.
 
 use super::atoms::{Atoms, Source};
-use super::closure::Equation;
+use super::closure::{Equation, Origin};
 use super::polynomial::{Atom, Overflow, Polynomial};
 use super::reading::{self, Open, Reading, Simple};
 use super::samples::Sample;
@@ -17,18 +17,28 @@ use crate::symbolic::expression::Arena;
 pub(super) struct Found {
     pub unknown: Unknown,
     pub equation: Solved,
-    pub origin: String,
+    pub origin: Origin,
     /// Whether it fails only where the arm is singular: not so for two equations whose determinant can vanish alone.
     sound: bool,
 }
 
 /// What a step finds.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Unknown {
     /// The angle frequency . angles; from then on it stands in the place `at`.
     Angle { frequency: Vec<i16>, at: usize },
     /// A slide.
     Slide(Atom),
+}
+
+impl Unknown {
+    /// How many joints beyond the first it is a sum of. Such a sum has to be taken apart later.
+    fn merged(&self) -> usize {
+        match self {
+            Self::Slide(_) => 0,
+            Self::Angle { frequency, .. } => frequency.iter().filter(|k| **k != 0).count().saturating_sub(1),
+        }
+    }
 }
 
 /// How it is found.
@@ -79,11 +89,7 @@ pub(super) struct State {
 impl Found {
     /// Whether taking it costs nothing: one root, of a joint of its own.
     fn is_free(&self) -> bool {
-        let own = match &self.unknown {
-            Unknown::Slide(_) => true,
-            Unknown::Angle { frequency, .. } => frequency.iter().filter(|k| **k != 0).count() == 1,
-        };
-        self.sound && own && self.equation.roots() == 1
+        self.sound && self.unknown.merged() == 0 && self.equation.roots() == 1
     }
 }
 
@@ -125,6 +131,12 @@ impl Search<'_> {
         self.budget -= 1;
         let mut candidates = candidates(self.arena, &mut state)?;
         candidates.sort_by_key(|found| (!found.sound, found.equation.roots(), found.equation.size()));
+        let mut unknowns = Vec::new();
+        candidates.retain(|found| {
+            let new = !unknowns.contains(&found.unknown);
+            unknowns.push(found.unknown.clone());
+            new
+        });
         let width = if candidates.first().is_some_and(Found::is_free) { 1 } else { WIDTH };
         for found in candidates.into_iter().take(width) {
             let mut next = state.clone();
@@ -135,11 +147,11 @@ impl Search<'_> {
     }
 }
 
-/// Unsound steps, then branches, then the length of all coefficients.
+/// Unsound steps, then branches, then the length of all coefficients and of the sums to take apart.
 fn cost(found: &[Found]) -> (usize, usize, usize) {
     let unsound = found.iter().filter(|step| !step.sound).count();
     let branches = found.iter().map(|step| step.equation.roots()).product();
-    (unsound, branches, found.iter().map(|step| step.equation.size()).sum())
+    (unsound, branches, found.iter().map(|step| step.equation.size() + step.unknown.merged()).sum())
 }
 
 /// Makes a step: its unknown becomes known.
@@ -192,7 +204,7 @@ fn settle(state: &mut State) -> Result<(), Overflow> {
 struct Lone {
     simple: Simple,
     group: usize,
-    origin: String,
+    origin: Origin,
 }
 
 fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>, Overflow> {
@@ -207,10 +219,10 @@ fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>, Overflow> 
     for (index, first) in lone.iter().enumerate() {
         match &first.simple {
             Simple::Slide { slide, a, b, c } => {
-                let equation = if !a.is_zero() {
-                    Solved::Quadratic([a.clone(), b.clone(), c.clone()])
-                } else {
+                let equation = if a.is_zero() {
                     Solved::Linear([b.clone(), c.clone()])
+                } else {
+                    Solved::Quadratic([a.clone(), b.clone(), c.clone()])
                 };
                 let leading = if a.is_zero() { b } else { a };
                 if !vanishes(arena, state, leading) {
@@ -225,7 +237,12 @@ fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>, Overflow> 
                     continue;
                 }
                 let equation = Solved::Trig([a.clone(), b.clone(), c.clone()]);
-                found.push(Found { unknown: unknown.clone(), equation, origin: first.origin.clone(), sound: true });
+                found.push(Found {
+                    unknown: unknown.clone(),
+                    equation,
+                    origin: first.origin.clone(),
+                    sound: true,
+                });
                 let later = lone.iter().skip(index + 1);
                 for second in later.filter(|second| second.group == first.group) {
                     found.extend(pair(arena, state, &unknown, first, second)?);
@@ -274,7 +291,7 @@ fn pair(
         return Ok(None);
     }
     let equation = Solved::Pair([a.clone(), b.clone(), c.clone()], [a2.clone(), b2.clone(), c2.clone()]);
-    let origin = format!("{} and {}", first.origin, second.origin);
+    let origin = first.origin.with(&second.origin);
     let sound = perpendicular([a, b], [a2, b2])? || of_table(&state.atoms, &determinant);
     Ok(Some(Found { unknown: unknown.clone(), equation, origin, sound }))
 }
@@ -308,7 +325,8 @@ fn squares(state: &State) -> Result<Vec<Equation>, Overflow> {
     let mut groups: Vec<usize> = state.equations.iter().map(|equation| equation.group).collect();
     groups.dedup();
     for group in groups {
-        let rows: Vec<&Equation> = state.equations.iter().filter(|equation| equation.group == group).collect();
+        let rows: Vec<&Equation> =
+            state.equations.iter().filter(|equation| equation.group == group).collect();
         for chosen in subsets(rows.len()) {
             let rows: Vec<&Equation> = chosen.iter().filter_map(|index| rows.get(*index).copied()).collect();
             if let Some(equation) = square_sum(&rows, &state.open)? {
@@ -330,7 +348,7 @@ fn subsets(rows: usize) -> Vec<Vec<usize>> {
 
 fn square_sum(rows: &[&Equation], open: &Open) -> Result<Option<Equation>, Overflow> {
     let mut sum = Polynomial::zero();
-    let mut origins = Vec::new();
+    let mut origin: Option<Origin> = None;
     for row in rows {
         let known = Reading::new(&row.polynomial, open)?.constant();
         let unknown = row.polynomial.sub(&known)?;
@@ -338,16 +356,16 @@ fn square_sum(rows: &[&Equation], open: &Open) -> Result<Option<Equation>, Overf
             return Ok(None);
         }
         sum = sum.add(&unknown.mul(&unknown)?)?.sub(&known.mul(&known)?)?;
-        origins.push(row.origin.as_str());
+        origin = Some(origin.map_or_else(|| row.origin.clone(), |origin| origin.with(&row.origin)));
     }
     if sum.is_zero() {
         return Ok(None);
     }
-    let Some(first) = rows.first() else { return Ok(None) };
+    let (Some(first), Some(origin)) = (rows.first(), origin) else { return Ok(None) };
     Ok(Some(Equation {
         polynomial: sum,
         group: usize::MAX,
-        origin: format!("squares of {}", origins.join(" and ")),
+        origin: Origin { squares: true, ..origin },
         name: first.name.clone(),
     }))
 }

@@ -1,7 +1,5 @@
-use super::{Derivation, derive};
-use crate::model::{Angle, JointKind, Linear, Model, Problem, Target};
+use crate::model::{Convention, JointKind, Linear, Model, Problem, Target};
 use crate::symbolic::fixtures::{angle, mycobot, puma560, robot, ur5};
-use crate::model::Convention;
 
 /// Constraints of (row, coefficient) and a constant in degrees.
 fn problem(target: Target, constraints: &[(&[(usize, f64)], f64)]) -> Problem {
@@ -22,55 +20,99 @@ fn problem(target: Target, constraints: &[(&[(usize, f64)], f64)]) -> Problem {
     }
 }
 
-fn show(derivation: &Derivation) -> String {
-    let mut lines = Vec::new();
-    for stage in &derivation.stages {
-        for (name, text) in &stage.definitions {
-            lines.push(format!("  {name} = {text}"));
-        }
-        lines.push(format!("{}: {} [{}] m^{}", stage.unknown, stage.text, stage.origin, stage.dimension));
-    }
-    for (index, joint) in derivation.joints.iter().enumerate() {
-        lines.push(format!("q{} = {:?} + {}", index + 1, joint.terms, joint.constant));
-    }
-    lines.join("\n")
+/// Derives, plans and verifies a problem on many poses; the steps' unknowns and equations, line by line.
+fn solved(mut model: Model, problem: Problem) -> String {
+    model.problems = vec![problem];
+    let (plan, unsolved) = crate::plan::build(&model);
+    assert_eq!(unsolved, []);
+    let mut diagnostics = crate::diagnostic::Diagnostics::default();
+    let (plan, report) = crate::verify::verify(&model, plan, crate::verify::Level::Full, &mut diagnostics);
+    let failures: Vec<_> = report.functions.iter().filter_map(|function| function.failure.clone()).collect();
+    assert_eq!(failures, Vec::<String>::new());
+    let inverse = plan.functions.last().unwrap();
+    let stages = inverse.stages.iter();
+    let lines: Vec<String> = stages.map(|stage| format!("{}: {}", stage.unknown, stage.equation)).collect();
+    format!("{}\n", lines.join("\n"))
+}
+
+fn tool_down() -> Vec<(&'static [(usize, f64)], f64)> {
+    vec![(&[(3, 1.0), (1, 1.0), (2, 1.0)], 90.0), (&[(4, 1.0)], -90.0), (&[(5, 1.0), (0, -1.0)], 0.0)]
 }
 
 #[test]
-fn dbg_all() {
-    let tool_down: &[(&[(usize, f64)], f64)] =
-        &[(&[(3, 1.0), (1, 1.0), (2, 1.0)], 90.0), (&[(4, 1.0)], -90.0), (&[(5, 1.0), (0, -1.0)], 0.0)];
-    let show_it = |name: &str, model: &Model, problem: &Problem| {
-        let t = std::time::Instant::now();
-        let d = derive(model, problem);
-        println!("--- {name} {:?}", t.elapsed());
-        match d { Ok(d) => println!("{}", show(&d)), Err(e) => println!("{e:?}") }
-    };
-    show_it("mycobot tool down", &mycobot(), &problem(Target::Position, tool_down));
-    show_it("mycobot yaw", &mycobot(), &problem(Target::PositionYaw, &tool_down[..2]));
-    show_it("ur5 down", &ur5(), &problem(Target::Position, &[(&[(3, 1.0), (1, 1.0), (2, 1.0)], -90.0), (&[(4, 1.0)], -90.0), (&[(5, 1.0)], 0.0)]));
-    let planar = robot(Convention::Standard, &[[0.0, 0.16, 0.0, 0.0], [0.0, 0.12, 0.0, 0.0]]);
-    show_it("planar", &planar, &problem(Target::Xy, &[]));
-    let planar3 = robot(Convention::Standard, &[[0.0, 0.16, 0.0, 0.0], [0.0, 0.12, 0.0, 0.0], [0.0, 0.05, 0.0, 0.0]]);
-    show_it("planar3", &planar3, &problem(Target::XyYaw, &[]));
-    let mut scara = robot(Convention::Standard, &[[0.3, 0.25, 0.0, 0.0], [0.0, 0.2, 180.0, 0.0], [0.0, 0.0, 0.0, 0.0], [0.1, 0.0, 0.0, 0.0]]);
-    scara.rows[2].kind = JointKind::Prismatic;
-    show_it("scara", &scara, &problem(Target::PositionYaw, &[]));
-    let elbow = robot(Convention::Standard, &[[0.3, 0.0, 90.0, 0.0], [0.1, 0.2, 0.0, 0.0], [0.0, 0.25, 0.0, 0.0]]);
-    show_it("elbow", &elbow, &problem(Target::Position, &[]));
-    let mut elbow = robot(Convention::Standard, &[[0.3, 0.05, 90.0, 0.0], [0.1, 0.2, 0.0, 0.0], [0.0, 0.25, 0.0, 0.0]]);
-    show_it("elbow with shoulder offset", &elbow, &problem(Target::Position, &[]));
-    let wrist = robot(Convention::Standard, &[[0.3, 0.0, 90.0, 0.0], [0.0, 0.0, -90.0, 0.0], [0.0, 0.0, 0.0, 0.0]]);
-    show_it("wrist rotation", &wrist, &problem(Target::Rotation, &[]));
-    let wrist = robot(Convention::Standard, &[[0.3, 0.0, 60.0, 10.0], [0.0, 0.0, -50.0, 0.0], [0.0, 0.0, 0.0, 0.0]]);
-    show_it("skew wrist rotation", &wrist, &problem(Target::Rotation, &[]));
-    show_it("puma wrist by constraints", &puma560(), &problem(Target::Rotation, &[(&[(0, 1.0)], 10.0), (&[(1, 1.0)], 30.0), (&[(2, 1.0)], 0.0)]));
-    show_it("puma position", &puma560(), &problem(Target::Position, &[(&[(3, 1.0)], 0.0), (&[(4, 1.0)], 0.0), (&[(5, 1.0)], 0.0)]));
-    let pan = robot(Convention::Standard, &[[0.3, 0.1, 90.0, 0.0], [0.0, 0.0, 90.0, 0.0]]);
-    show_it("pan tilt", &pan, &problem(Target::Direction, &[]));
-    elbow.rows[2].terms = vec![(2, 1.0), (1, -1.0)];
-    show_it("coupled elbow", &elbow, &problem(Target::Position, &[]));
-    let mut stanford = robot(Convention::Standard, &[[0.4, 0.0, -90.0, 0.0], [0.15, 0.0, 90.0, 0.0], [0.0, 0.0, 0.0, 0.0]]);
-    stanford.rows[2].kind = JointKind::Prismatic;
-    show_it("stanford position", &stanford, &problem(Target::Position, &[]));
+fn mycobot_with_its_tool_down_is_the_published_derivation() {
+    let steps = solved(mycobot(), problem(Target::Position, &tool_down()));
+    expect_test::expect![[r"
+        theta1: py c1 - px s1 = -d4
+        theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
+        theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0
+    "]]
+    .assert_eq(&steps);
+}
+
+#[test]
+fn more_of_a_pose_may_be_prescribed() {
+    solved(mycobot(), problem(Target::PositionYaw, &tool_down()[..2]));
+    let constraints: &[(&[(usize, f64)], f64)] =
+        &[(&[(3, 1.0), (1, 1.0), (2, 1.0)], -90.0), (&[(4, 1.0)], -90.0), (&[(5, 1.0)], 0.0)];
+    solved(ur5(), problem(Target::Position, constraints));
+    solved(ur5(), problem(Target::PositionYaw, &constraints[..2]));
+}
+
+#[test]
+fn planar_arms_have_both_elbows() {
+    let two = robot(Convention::Standard, &[[0.0, 0.16, 0.0, 0.0], [0.0, 0.12, 0.0, 0.0]]);
+    solved(two, problem(Target::Xy, &[]));
+    let three = [[0.0, 0.16, 0.0, 0.0], [0.0, 0.12, 0.0, 10.0], [0.0, 0.05, 0.0, 0.0]];
+    solved(robot(Convention::Standard, &three), problem(Target::XyYaw, &[]));
+    solved(robot(Convention::Modified, &three), problem(Target::XyYaw, &[]));
+}
+
+#[test]
+fn sliding_joints_are_solved_for() {
+    let rows = [[0.3, 0.25, 0.0, 0.0], [0.0, 0.2, 180.0, 0.0], [0.0, 0.0, 0.0, 0.0], [0.1, 0.0, 0.0, 0.0]];
+    solved(sliding(robot(Convention::Standard, &rows), &[2]), problem(Target::PositionYaw, &[]));
+    let stanford = [[0.4, 0.0, -90.0, 0.0], [0.15, 0.0, 90.0, 0.0], [0.0, 0.0, 0.0, 0.0]];
+    solved(sliding(robot(Convention::Standard, &stanford), &[2]), problem(Target::Position, &[]));
+    let cylinder = [[0.2, 0.0, 0.0, 0.0], [0.0, 0.0, -90.0, 0.0], [0.1, 0.0, 0.0, 0.0]];
+    solved(sliding(robot(Convention::Standard, &cylinder), &[1, 2]), problem(Target::Position, &[]));
+    let gantry = [[0.0, 0.0, -90.0, -90.0], [0.0, 0.0, -90.0, -90.0], [0.0, 0.0, 0.0, 0.0]];
+    solved(sliding(robot(Convention::Standard, &gantry), &[0, 1, 2]), problem(Target::Position, &[]));
+}
+
+#[test]
+fn elbow_arms_reach_points_with_every_offset() {
+    for shoulder in [0.0, 0.05] {
+        for side in [0.0, 0.1] {
+            let rows = [[0.3, shoulder, 90.0, 0.0], [side, 0.2, 0.0, 0.0], [0.0, 0.25, 0.0, 0.0]];
+            solved(robot(Convention::Standard, &rows), problem(Target::Position, &[]));
+            let mut coupled = robot(Convention::Standard, &rows);
+            coupled.rows[2].terms = vec![(1, -1.0), (2, 1.0)];
+            solved(coupled, problem(Target::Position, &[]));
+        }
+    }
+    let puma: &[(&[(usize, f64)], f64)] = &[(&[(3, 1.0)], 0.0), (&[(4, 1.0)], 0.0), (&[(5, 1.0)], 0.0)];
+    solved(puma560(), problem(Target::Position, puma));
+}
+
+#[test]
+fn wrists_are_turned_and_pointed() {
+    let straight = [[0.3, 0.0, 90.0, 0.0], [0.0, 0.0, -90.0, 0.0], [0.0, 0.0, 0.0, 0.0]];
+    solved(robot(Convention::Standard, &straight), problem(Target::Rotation, &[]));
+    let proximal = [[0.3, 0.0, 0.0, 0.0], [0.0, 0.0, 90.0, 0.0], [0.0, 0.0, -90.0, 0.0]];
+    solved(robot(Convention::Modified, &proximal), problem(Target::Rotation, &[]));
+    let skew = [[0.3, 0.0, 60.0, 10.0], [0.0, 0.0, -50.0, 0.0], [0.0, 0.0, 0.0, 0.0]];
+    solved(robot(Convention::Standard, &skew), problem(Target::Rotation, &[]));
+    let held: &[(&[(usize, f64)], f64)] = &[(&[(0, 1.0)], 10.0), (&[(1, 1.0)], 30.0), (&[(2, 1.0)], 0.0)];
+    solved(puma560(), problem(Target::Rotation, held));
+    let pan_tilt = [[0.3, 0.1, 90.0, 0.0], [0.0, 0.0, 90.0, 0.0]];
+    solved(robot(Convention::Standard, &pan_tilt), problem(Target::Direction, &[]));
+}
+
+fn sliding(mut model: Model, rows: &[usize]) -> Model {
+    for row in rows {
+        model.rows[*row].kind = JointKind::Prismatic;
+    }
+    model.windings.retain(|winding| !rows.contains(&winding.joint));
+    model
 }

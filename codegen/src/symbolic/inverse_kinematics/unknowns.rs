@@ -36,11 +36,7 @@ impl Offset {
     /// Whole units of 15 degrees, and what is left (rad).
     pub(super) fn split(self) -> (i32, f64) {
         let whole = self.fifteenths.round();
-        if (self.fifteenths - whole).abs() < 1e-9 {
-            (whole as i32, self.rest)
-        } else {
-            (0, self.value())
-        }
+        if (self.fifteenths - whole).abs() < 1e-9 { (whole as i32, self.rest) } else { (0, self.value()) }
     }
 }
 
@@ -218,7 +214,10 @@ fn in_free(model: &Model, solved: &[Option<Form>], joints: &[Form]) -> Result<Un
         .map(|(row, data)| Free { row, kind: data.kind })
         .collect();
     let by_free = |form: &Form| Form {
-        coefficients: free.iter().map(|free| form.coefficients.get(free.row).copied().unwrap_or(0.0)).collect(),
+        coefficients: free
+            .iter()
+            .map(|free| form.coefficients.get(free.row).copied().unwrap_or(0.0))
+            .collect(),
         offset: form.offset,
     };
     let mut rows: Vec<Form> = Vec::new();

@@ -13,14 +13,11 @@ use crate::symbolic::{chain, text};
 use std::collections::BTreeMap;
 
 /// Writes a solved problem.
-pub(super) fn write(
-    arena: Arena,
-    problem: &Problem,
-    unknowns: &Unknowns,
-    end: &State,
-) -> Derivation {
-    let mut writer = Writer { arena, unknowns, end, exprs: BTreeMap::new(), defined: std::collections::BTreeSet::new() };
-    let inputs = problem.target.input_names().iter().map(|name| writer.arena.leaf(name, Leaf::Known)).collect();
+pub(super) fn write(arena: Arena, problem: &Problem, unknowns: &Unknowns, end: &State) -> Derivation {
+    let mut writer =
+        Writer { arena, unknowns, end, exprs: BTreeMap::new(), defined: std::collections::BTreeSet::new() };
+    let inputs =
+        problem.target.input_names().iter().map(|name| writer.arena.leaf(name, Leaf::Known)).collect();
     let stages = end.found.iter().map(|found| writer.stage(found)).collect();
     let free = writer.free_by_roots();
     let joints = unknowns.joints.iter().map(|form| linear(form, &free)).collect();
@@ -94,7 +91,7 @@ impl Writer<'_> {
             dimension: self.dimension(&found.equation),
             text,
             definitions,
-            origin: found.origin.clone(),
+            origin: found.origin.to_string(),
         }
     }
 
@@ -131,7 +128,11 @@ impl Writer<'_> {
         let angle = unknown.strip_prefix("theta").unwrap_or(unknown);
         let (sin, cos) = (format!("s{angle}"), format!("c{angle}"));
         let trig = |[a, b, c]: &[Expr; 3]| {
-            format!("{} = {}", text::combination(arena, &[(*a, &cos), (*b, &sin)]), text::abbreviated(arena, *c))
+            format!(
+                "{} = {}",
+                text::combination(arena, &[(*a, &cos), (*b, &sin)]),
+                text::abbreviated(arena, *c)
+            )
         };
         let square = format!("{unknown}^2");
         let written = match equation {
@@ -211,13 +212,15 @@ impl Writer<'_> {
         if let Some(&known) = self.exprs.get(&atom) {
             return known;
         }
-        let Some(data) = self.end.atoms.list.get(usize::from(atom)).cloned() else { return self.arena.zero() };
+        let Some(data) = self.end.atoms.list.get(usize::from(atom)).cloned() else {
+            return self.arena.zero();
+        };
         let expr = match &data.source {
             Source::Table(expr) | Source::Target(expr) => *expr,
             Source::Slide(_) => self.arena.leaf(&data.name, Leaf::Known),
             Source::Abbreviation(definition) => {
                 let expr = self.expr(definition);
-                self.arena.name(expr, &data.name);
+                self.arena.label(expr, &data.name);
                 expr
             }
         };
@@ -250,7 +253,9 @@ impl Writer<'_> {
 
     fn has_constant_angle(&self, polynomial: &Polynomial) -> bool {
         let constant = |at: usize| matches!(self.end.atoms.angles.get(at), Some(AngleData::Constant { .. }));
-        polynomial.terms().any(|(key, _)| key.frequency.iter().enumerate().any(|(at, k)| *k != 0 && constant(at)))
+        polynomial
+            .terms()
+            .any(|(key, _)| key.frequency.iter().enumerate().any(|(at, k)| *k != 0 && constant(at)))
     }
 
     /// A sum, the factor that most terms share taken out first.
@@ -260,7 +265,9 @@ impl Writer<'_> {
         for (_, factors) in &terms {
             let mut distinct: Vec<&Factor> = factors.iter().collect();
             distinct.dedup();
-            distinct.into_iter().for_each(|factor| *counts.entry(factor).or_insert(0) += 1);
+            for factor in distinct {
+                *counts.entry(factor).or_insert(0) += 1;
+            }
         }
         let shared = counts.into_iter().filter(|(_, count)| *count > 1).max_by_key(|(_, count)| *count);
         if let Some(factor) = shared.map(|(factor, _)| factor.clone()) {
@@ -304,12 +311,14 @@ impl Writer<'_> {
         let mut form = AngleForm::ZERO;
         let mut constants = String::new();
         for (at, k) in frequency.iter().enumerate().filter(|(_, k)| **k != 0) {
-            let stage = self.end.found.iter().position(
-                |found| matches!(&found.unknown, Unknown::Angle { at: place, .. } if *place == at),
-            );
+            let stage =
+                self.end.found.iter().position(
+                    |found| matches!(&found.unknown, Unknown::Angle { at: place, .. } if *place == at),
+                );
             match (stage, self.end.atoms.angles.get(at)) {
                 (Some(stage), _) => {
-                    form = form.add(&AngleForm { terms: vec![(stage, f64::from(*k))], turn: Turn::ZERO }, 1.0);
+                    form =
+                        form.plus(&AngleForm { terms: vec![(stage, f64::from(*k))], turn: Turn::ZERO }, 1.0);
                 }
                 (None, Some(AngleData::Constant { name, value })) => {
                     form.turn.rest += f64::from(*k) * value;
@@ -329,7 +338,8 @@ impl Writer<'_> {
 fn expanded(polynomial: &Polynomial) -> Option<Vec<Term>> {
     let mut collected: BTreeMap<Vec<Factor>, Number> = BTreeMap::new();
     for (key, number) in polynomial.terms() {
-        let plain = Key { frequency: vec![0; key.frequency.len()], sine: false, monomial: key.monomial.clone() };
+        let plain =
+            Key { frequency: vec![0; key.frequency.len()], sine: false, monomial: key.monomial.clone() };
         let atoms = factors(&plain);
         // (number, factors) of the cosine and of the sine of the angles so far.
         let mut cos: Vec<Term> = vec![(Number::ONE, Vec::new())];
@@ -341,7 +351,7 @@ fn expanded(polynomial: &Polynomial) -> Option<Vec<Term>> {
             }
             let sign = if *k < 0 { Number::integer(-1) } else { Number::ONE };
             let (s, c) = (Factor::Trig(own.clone(), true), Factor::Trig(own, false));
-            let next_cos = [times(&cos, &c, Number::ONE)?, times(&sin, &s, sign.neg())?].concat();
+            let next_cos = [times(&cos, &c, Number::ONE)?, times(&sin, &s, -sign)?].concat();
             let next_sin = [times(&sin, &c, Number::ONE)?, times(&cos, &s, sign)?].concat();
             (cos, sin) = (next_cos, next_sin);
         }
@@ -349,7 +359,7 @@ fn expanded(polynomial: &Polynomial) -> Option<Vec<Term>> {
             list.extend(atoms.iter().cloned());
             list.sort();
             let entry = collected.entry(list).or_insert(Number::ZERO);
-            *entry = entry.add(factor.mul(number)?)?;
+            *entry = entry.checked_add(factor.checked_mul(number)?)?;
         }
     }
     Some(collected.into_iter().filter(|(_, n)| !n.is_zero()).map(|(list, n)| (n, list)).collect())
@@ -359,7 +369,7 @@ fn times(terms: &[Term], factor: &Factor, by: Number) -> Option<Vec<Term>> {
     let one = |(number, list): &Term| {
         let mut list = list.clone();
         list.push(factor.clone());
-        Some((number.mul(by)?, list))
+        Some((number.checked_mul(by)?, list))
     };
     terms.iter().map(one).collect()
 }

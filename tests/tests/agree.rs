@@ -1,0 +1,156 @@
+//! Every engine against the oracle: shipped tables, random tables, tables as calibration leaves them.
+
+use dh_core::{Frame, Kinematics};
+use dh_tests::engine;
+use dh_tests::oracle::Oracle;
+use dh_tests::random::{any_arm, calibrated_arm};
+use proptest::prelude::*;
+use proptest::test_runner::TestRunner;
+
+/// Greatest difference between a frame and a matrix, in m and ratios alike.
+fn difference(frame: &Frame, matrix: &[[f64; 4]; 4]) -> f64 {
+    let rows = frame.rotation.iter().zip(frame.translation).zip(matrix);
+    let mut worst = 0.0_f64;
+    for ((rotation, translation), given) in rows {
+        for (a, b) in rotation.iter().chain([&translation]).zip(given) {
+            let off = (a - b).abs();
+            worst = if off.is_nan() { f64::INFINITY } else { worst.max(off) };
+        }
+    }
+    worst
+}
+
+/// Compares all that is computed forwards.
+fn compare(engine: &dyn Kinematics, oracle: &Oracle, q: &[f64], tolerance: f64) -> Result<(), String> {
+    let close = |what: &str, difference: f64| {
+        if difference <= tolerance {
+            Ok(())
+        } else {
+            Err(format!("{what} differs by {difference:e} at {q:?}"))
+        }
+    };
+    let told = |error: dh_core::LengthError| error.to_string();
+    close("fk", difference(&engine.fk(q).map_err(told)?, &oracle.fk(q)))?;
+    close("fk_flange", difference(&engine.fk_flange(q).map_err(told)?, &oracle.fk_flange(q)))?;
+
+    let expected = oracle.frames(q);
+    let mut frames = vec![Frame::IDENTITY; engine.rows() + 1];
+    let count = engine.frames_into(q, &mut frames).map_err(told)?;
+    if count != expected.len() {
+        return Err(format!("{count} frames for {}", expected.len()));
+    }
+    for (row, (frame, matrix)) in frames.iter().zip(&expected).enumerate() {
+        close(&format!("frame {row}"), difference(frame, matrix))?;
+    }
+
+    let mut columns = vec![[0.0; 6]; engine.dof()];
+    engine.jacobian_into(q, &mut columns).map_err(told)?;
+    for (joint, (column, expected)) in columns.iter().zip(oracle.jacobian(q)).enumerate() {
+        let worst = column.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        close(&format!("jacobian column {}", joint + 1), worst)?;
+    }
+    Ok(())
+}
+
+/// What a product of f64 matrices may be off by: a few units in the last place of the arm's size.
+fn tolerance(oracle: &Oracle) -> f64 {
+    4e-15 * (1.0 + oracle.reach()) * oracle.chain().rows.len() as f64
+}
+
+#[test]
+fn shipped_tables() {
+    for name in dh_robots::names() {
+        let oracle = Oracle::shipped(name).unwrap();
+        let engine = engine::shipped(name).unwrap();
+        assert_eq!(engine.dof(), oracle.dof(), "{name}");
+        assert_eq!(engine.rows(), oracle.chain().rows.len(), "{name}");
+        let mut runner = TestRunner::new(ProptestConfig::with_cases(200));
+        let values = prop::collection::vec(-3.2..3.2, oracle.dof());
+        runner
+            .run(&values, |q| {
+                compare(&*engine, &oracle, &q, tolerance(&oracle))
+                    .map_err(|error| TestCaseError::fail(format!("{name}: {error}")))
+            })
+            .unwrap();
+    }
+}
+
+#[test]
+fn limits_and_names_of_shipped_tables() {
+    for name in dh_robots::names() {
+        let oracle = Oracle::shipped(name).unwrap();
+        let engine = engine::shipped(name).unwrap();
+        let chain = oracle.chain();
+        for (joint, &row) in engine.joints().iter().zip(&chain.joints) {
+            let row = &chain.rows[row];
+            assert_eq!(joint.name, row.name, "{name}");
+            let found = joint.limits.map(|limits| (limits.min, limits.max));
+            let close = match (found, row.limits) {
+                (Some(a), Some(b)) => {
+                    (a.0 - b.0).abs().max((a.1 - b.1).abs()) < 1e-15 * (1.0 + b.1.abs() + b.0.abs())
+                }
+                (None, None) => true,
+                _ => false,
+            };
+            assert!(close, "{name}, {}: {found:?} for {:?}", row.name, row.limits);
+        }
+        for (pose, q) in &chain.poses {
+            assert!(engine.check(q).is_ok(), "{name}: {pose}: {}", engine.check(q).unwrap_err());
+        }
+    }
+}
+
+#[test]
+fn random_tables() {
+    // A table goes through the whole compiler: PROPTEST_CASES=2000 where there is time.
+    let more = std::env::var_os("PROPTEST_CASES").is_some();
+    let config = if more { ProptestConfig::default() } else { ProptestConfig::with_cases(64) };
+    let mut runner = TestRunner::new(config);
+    runner
+        .run(&any_arm(), |arm| {
+            let oracle = Oracle::read(&arm.text).map_err(TestCaseError::fail)?;
+            let engine = engine::interpreter(&arm.text).map_err(TestCaseError::fail)?;
+            compare(&*engine, &oracle, &arm.q, tolerance(&oracle)).map_err(TestCaseError::fail)
+        })
+        .unwrap();
+}
+
+/// Offsets of ten kilometres, whose own last place is 2e-12 m, must not cost the digits that they have.
+#[test]
+fn calibrated_tables() {
+    let mut runner = TestRunner::new(ProptestConfig::with_cases(64));
+    runner
+        .run(&calibrated_arm(), |arm| {
+            let oracle = Oracle::read(&arm.text).map_err(TestCaseError::fail)?;
+            let engine = engine::interpreter(&arm.text).map_err(TestCaseError::fail)?;
+            let off = difference(
+                &engine.fk(&arm.q).map_err(|e| TestCaseError::fail(e.to_string()))?,
+                &oracle.fk(&arm.q),
+            );
+            prop_assert!(off < 1e-12, "off by {:e}", off);
+            Ok(())
+        })
+        .unwrap();
+}
+
+/// A right angle in the table is one in the result: what is exactly 0, 1 or a sum of lengths comes out as that.
+#[test]
+fn right_angles_leave_no_rounding_behind() {
+    let engine = engine::shipped("crane_x7").unwrap();
+    let frame = engine.fk(&[0.0; 7]).unwrap();
+    assert_eq!(frame.rotation, Frame::<f64>::IDENTITY.rotation);
+    assert_eq!(frame.translation[..2], [0.0, 0.0]);
+    let engine = engine::shipped("scara").unwrap();
+    let frame = engine.fk(&[0.4, -1.1, 0.1, 0.7]).unwrap();
+    assert_eq!([frame.rotation[0][2], frame.rotation[1][2], frame.rotation[2][2]], [0.0, 0.0, -1.0]);
+}
+
+#[test]
+fn wrong_lengths_are_errors() {
+    let engine = engine::shipped("ur5").unwrap();
+    assert!(engine.fk(&[0.0; 5]).is_err());
+    assert!(engine.fk_flange(&[0.0; 7]).is_err());
+    assert!(engine.jacobian_into(&[0.0; 6], &mut [[0.0; 6]; 5]).is_err());
+    assert!(engine.frames_into(&[0.0; 6], &mut [Frame::IDENTITY; 6]).is_err());
+    assert!(engine.check(&[]).is_err());
+}

@@ -1,0 +1,44 @@
+//! Unit structs, structs with fields, generic ones; every warning an error.
+#![deny(warnings, missing_docs)]
+
+use dh_runtime::{Kinematics, dh_robot};
+
+/// An arm.
+#[dh_robot("planar2r")]
+#[derive(Debug, Clone, Copy)]
+pub struct Plain;
+
+/// An arm with fields.
+#[dh_robot("planar2r", scalar = "f32")]
+pub struct Fields {
+    /// Where it is.
+    pub room: u32,
+}
+
+/// A generic arm, whose parameter has the name of a constant of the table.
+#[dh_robot("planar2r", types = "plain", warnings = "off")]
+pub struct Generic<'a, A1: Iterator<Item = Vec<u8>> = std::vec::IntoIter<Vec<u8>>, const D1: usize = 2>(pub &'a A1)
+where
+    A1: Clone;
+
+type Result = std::result::Result<(), Box<dyn std::error::Error>>;
+
+fn main() -> Result {
+    let pose = Plain.fk(&[0.1, 0.2]);
+    assert!(pose.translation.vector.norm() > 0.0);
+    let fields = Fields { room: 3 };
+    let _: dh_runtime::Pose<f32> = fields.fk(&[0.1, 0.2]);
+    let parts = vec![vec![1_u8]].into_iter();
+    let generic: Generic<'_, _, 2> = Generic(&parts);
+    let frame: dh_runtime::Frame = generic.fk(&[0.1, 0.2]);
+    let arm: &dyn Kinematics = &generic;
+    assert_eq!(arm.fk(&[0.1, 0.2])?, frame);
+    assert_eq!(Plain::FINGERPRINT, generic.fingerprint());
+    assert_eq!(fields.room, 3);
+
+    /// An arm in a function.
+    #[dh_robot("planar2r")]
+    struct Local;
+    assert_eq!(Local::DOF, 2);
+    Ok(())
+}
