@@ -6,7 +6,7 @@
 use std::collections::HashSet;
 use std::ops::Range;
 
-/// Codes and what they mean.
+// Codes and what they mean.
 pub mod catalogue;
 mod render;
 

@@ -57,7 +57,9 @@ pub fn compile(text: &str, level: Level) -> Compilation {
     let output = match model {
         Some(model) if !diagnostics.has_errors() => {
             let (plan, unsolved) = plan::build(&model);
-            unsolved.iter().for_each(|unsolved| diagnostics.push(not_solved(&model, unsolved)));
+            for problem in &unsolved {
+                diagnostics.push(not_solved(&model, problem));
+            }
             let (plan, report) = verify::verify(&model, plan, level, &mut diagnostics);
             Some(Output { model, plan, report, unsolved })
         }

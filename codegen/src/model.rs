@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 mod angle;
-/// Fixed transforms between joints.
+// Fixed transforms between joints.
 pub mod chain;
 mod check;
 mod constraint;
@@ -16,7 +16,7 @@ mod linear;
 mod names;
 mod placement;
 mod problems;
-/// The plain product of the rows, for verification.
+// The plain product of the rows, for verification.
 pub mod product;
 mod quantity;
 mod reach;
@@ -131,7 +131,7 @@ pub struct Row {
     pub name: String,
     /// Whether theta or d varies.
     pub kind: JointKind,
-    /// Link offset d (m). For a prismatic row, d at q = 0 (its `offset`).
+    /// Link offset d (m). For a prismatic row, d at q = 0: its `offset` (plus direction * `fixed` of a held one).
     pub d: f64,
     /// Link length a (m).
     pub a: f64,
@@ -139,13 +139,15 @@ pub struct Row {
     pub alpha: Angle,
     /// Hayati's beta.
     pub beta: Angle,
-    /// Joint angle theta at q = 0 of all joints: `offset` (or `fixed`) of a revolute row, `theta` of a prismatic one.
+    /// Joint angle theta at q = 0 of all joints: `offset` of a revolute row (plus direction * `fixed` of a held one, which
+    /// stays at that q), `theta` of a prismatic one.
     pub theta: Angle,
-    /// How far the origin of this row's outgoing joint axis is moved along that axis before anything is computed
-    /// (m); 0 except where rows with huge `d` cancel. See [`Model`] and NOTATION.md, "Recentred axes".
+    /// How far an origin is moved along a joint axis before anything is computed (m); 0 except where rows with huge
+    /// `d` cancel. In the standard convention it is the origin of this row's own frame, along the axis of the next
+    /// joint; in the modified one the origin before this row's joint, along its own axis. See [`chain`].
     pub shift: f64,
     /// What the joint variables add: theta (revolute) or d (prismatic) = its value at zero + sum of
-    /// coefficient * q[index]. The own variable (coefficient `direction`) and couplings alike; empty for a held row
+    /// coefficient * q\[index\]. The own variable (coefficient `direction`) and couplings alike; empty for a held row
     /// without couplings. Indices are into [`Model::joints`]. Coefficients between unlike kinds are in SI
     /// (rad per m, m per rad).
     pub terms: Vec<(usize, f64)>,
@@ -356,8 +358,9 @@ impl Target {
     }
 }
 
-/// A linear form in row variables: sum of coefficient * theta (or d) of a row, and a constant. `q*` and joint names
-/// are already expressed in theta and d.
+/// A linear form in row variables: coefficients of the thetas and ds of rows, and a constant. `q*` and joint names are
+/// already expressed in theta and d. In a constraint the constant is on the other side (terms = constant), in a
+/// filter on the same (terms + constant <= 0).
 #[derive(Debug, Clone)]
 pub struct Linear {
     /// (row index, coefficient): theta of a revolute row, d of a prismatic one.

@@ -15,7 +15,7 @@ pub use inverse::Unsolved;
 
 /// Every function that the robot has, and the problems that have none.
 pub fn build(model: &crate::model::Model) -> (Plan, Vec<Unsolved>) {
-    let mut constants = schedule::Constants::default();
+    let mut constants = schedule::Constants::of(model);
     let mut functions = forward::functions(model, &mut constants);
     let (inverse, unsolved) = inverse::functions(model, &mut constants);
     functions.extend(inverse);

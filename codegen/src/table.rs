@@ -8,12 +8,14 @@ use std::ops::Range;
 use toml::de::DeTable;
 
 mod damage;
-/// Numbers in quotes.
+mod duplicates;
+// Numbers in quotes.
 pub mod expression;
 mod fields;
 mod lexer;
 mod places;
 mod sections;
+mod types;
 
 /// A table has at most so many bytes.
 pub const LARGEST: usize = 256 * 1024;
@@ -253,7 +255,7 @@ pub fn parse(text: &str, diagnostics: &mut Diagnostics) -> Table {
     }
     let damage::Mended { text: mended, complete } = damage::mend(text, diagnostics);
     let (root, errors) = DeTable::parse_recoverable(&mended);
-    let repeated = damage::report_duplicates(text, root.get_ref(), &errors, diagnostics);
+    let repeated = duplicates::report(text, root.get_ref(), &errors, diagnostics);
     let line_feeds = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect();
     let mut reader = fields::Reader { text, diagnostics, line_feeds, repeated, complete };
     sections::read(&mut reader, root.get_ref())

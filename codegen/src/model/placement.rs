@@ -63,12 +63,11 @@ fn rotation(numbers: &Numbers, converter: &mut Converter) -> Option<Rotation> {
 }
 
 /// Roll, pitch and yaw of a rotation; at a pitch of a quarter turn the roll is 0.
-fn rpy_of([[r11, r12, r13], [r21, r22, r23], [r31, r32, r33]]: &[[f64; 3]; 3]) -> [f64; 3] {
+fn rpy_of([[r11, r12, _], [r21, r22, _], [r31, r32, r33]]: &[[f64; 3]; 3]) -> [f64; 3] {
     let cosine = libm::hypot(*r11, *r21);
     let pitch = libm::atan2(-r31, cosine);
-    // Below this the other angles come from rounding errors; r12, r13, r22, r23 hold their sum or difference.
+    // Below this the others are rounding errors, and roll and yaw turn about one axis.
     if cosine < 1e-9 {
-        let _ = (r13, r23);
         return [0.0, pitch, libm::atan2(-r12, *r22)];
     }
     [libm::atan2(*r32, *r33), pitch, libm::atan2(*r21, *r11)]

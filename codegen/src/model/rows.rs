@@ -88,7 +88,7 @@ fn angle(number: Option<&Number>, converter: &mut Converter) -> Angle {
 
 /// A revolute joint has `d` and no `theta`, a prismatic one `theta` and no `d`.
 fn what_q_varies_is_not_given(joint: &Joint, kind: JointKind, converter: &mut Converter) {
-    let (key, span, number, held, varies) = match kind {
+    let (key, span, number, name, varies) = match kind {
         JointKind::Revolute => ("theta", &joint.theta_key, &joint.theta, "revolute", "turns"),
         JointKind::Prismatic => ("d", &joint.d_key, &joint.d, "prismatic", "moves"),
     };
@@ -97,7 +97,7 @@ fn what_q_varies_is_not_given(joint: &Joint, kind: JointKind, converter: &mut Co
     converter.diagnostics.push(
         Diagnostic::error(
             catalogue::WRONG_JOINT_TYPE,
-            format!("a {held} joint has no `{key}`: that is what its q {varies}"),
+            format!("a {name} joint has no `{key}`: that is what its q {varies}"),
         )
         .at(span.clone(), "")
         .help(format!("write `offset = {written}` for the {key} at q = 0"))

@@ -4,6 +4,8 @@
 //! used. Sines and cosines come first, then lengths that vary, then the rest in the order of need.
 
 use super::{Constant, ConstantId, Counts, Scalar, Step, ValueId};
+use crate::model::Model;
+use crate::model::chain::Element;
 use crate::symbolic::angle::AngleForm;
 use crate::symbolic::expression::{Arena, Expr, Leaf, Node};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -17,6 +19,17 @@ pub(super) struct Constants {
 }
 
 impl Constants {
+    /// The lengths of a robot, in the order of its rows.
+    pub(super) fn of(model: &Model) -> Self {
+        let mut constants = Self::default();
+        for element in model.chain().links.iter().flat_map(|link| &link.elements) {
+            if let Element::Translate { value, name, note, .. } = element {
+                constants.named(name, *value, 1, note);
+            }
+        }
+        constants
+    }
+
     /// All of them, in the order in which they were met.
     pub(super) fn into_list(self) -> Vec<Constant> {
         self.list

@@ -231,8 +231,17 @@ impl Arena {
         self.signed(positive, product)
     }
 
-    /// Gives an expression the name that the field has for it, unless it has one or is a leaf (or a signed one).
+    /// Gives a quantity the name that the field has for it, unless it has one or is a leaf (or a signed one). What is
+    /// computed is the quantity without its sign: of a negative one the name says so, `nr12` = -r12.
     pub fn name(&mut self, x: Expr, name: &str) {
+        match self.split_sign(x) {
+            (true, x) => self.label(x, name),
+            (false, x) => self.label(x, &format!("n{name}")),
+        }
+    }
+
+    /// Gives an abbreviation a name, if it is one: more than a leaf.
+    pub fn label(&mut self, x: Expr, name: &str) {
         let (_, x) = self.split_sign(x);
         if matches!(self.node(x), Node::Add(..) | Node::Mul(..)) && !self.is_constant(x) {
             self.names.entry(x).or_insert_with(|| name.to_string());

@@ -12,6 +12,7 @@ mod reading;
 mod samples;
 mod search;
 mod unknowns;
+mod walk;
 mod writing;
 
 use super::expression::{Arena, Expr};

@@ -57,3 +57,16 @@ pub(super) fn open_bracket(text: &str) -> Option<usize> {
     }
     open.first().copied()
 }
+
+/// Where the next header line after a place starts, or the text ends.
+pub(super) fn next_header(text: &str, after: usize) -> usize {
+    let mut at = after;
+    while at < text.len() {
+        let line = line_around(text, at + 1);
+        if line.start > at && text.get(line.clone()).is_some_and(is_header) {
+            return line.start;
+        }
+        at = line.end.max(at + 1);
+    }
+    text.len()
+}

@@ -4,17 +4,15 @@
 //! joints passed, and the same point is carried from the tip to that frame by the joints that follow. Both sides are
 //! equal, row by row, whatever frame they are written in; which frame is simplest differs from arm to arm.
 
-use super::atoms::{AngleData, Atoms, Source};
+use super::atoms::{AngleData, Atoms};
 use super::polynomial::{Overflow, Polynomial};
-use super::unknowns::{Form, Free, Unknowns};
-use crate::model::chain::Element;
-use crate::model::{Angle, JointKind, Model, Target};
+use super::unknowns::Unknowns;
+use super::walk::{Vector, Walker};
+use crate::model::{JointKind, Model, Target};
 use crate::symbolic::expression::{Arena, Expr, Leaf};
 use crate::symbolic::number::Number;
 use crate::symbolic::{chain, transform};
-
-/// Three polynomials.
-pub(super) type Vector = [Polynomial; 3];
+use std::fmt;
 
 /// polynomial = 0, and where it comes from.
 #[derive(Debug, Clone)]
@@ -22,10 +20,58 @@ pub(super) struct Equation {
     pub polynomial: Polynomial,
     /// Frame and tracked quantity; rows of one group are coordinates of one vector.
     pub group: usize,
-    /// "row 2 of the position in frame 1"
-    pub origin: String,
+    /// Where it comes from.
+    pub origin: Origin,
     /// What its known part is called: `y1`.
     pub name: String,
+}
+
+/// Where an equation comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Origin {
+    /// Whether it is a sum of squares.
+    pub squares: bool,
+    /// Rows of a vector (1-based); none where `of` says it all.
+    pub rows: Vec<usize>,
+    /// "the position in frame 1"
+    pub of: String,
+    /// A second equation beside it, of another vector.
+    pub and: Option<Box<Origin>>,
+}
+
+impl Origin {
+    fn whole(of: String) -> Self {
+        Self { squares: false, rows: Vec::new(), of, and: None }
+    }
+
+    /// Of two equations together.
+    pub(super) fn with(&self, other: &Self) -> Self {
+        if self.of == other.of && self.squares == other.squares && !self.rows.is_empty() {
+            let rows = [self.rows.as_slice(), &other.rows].concat();
+            return Self { rows, ..self.clone() };
+        }
+        Self { and: Some(Box::new(other.clone())), ..self.clone() }
+    }
+}
+
+/// "squares of rows 1 and 2 of the position in frame 1"
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.squares {
+            f.write_str("squares of ")?;
+        }
+        match self.rows.as_slice() {
+            [] => {}
+            [row] => write!(f, "row {row} of ")?,
+            [first, second] => write!(f, "rows {first} and {second} of ")?,
+            _ => f.write_str("all rows of ")?,
+        }
+        f.write_str(&self.of)?;
+        match &self.and {
+            Some(other) => write!(f, "; {other}"),
+            None => Ok(()),
+        }
+    }
 }
 
 /// Why no equations could be written.
@@ -65,18 +111,6 @@ impl Tracked {
     }
 }
 
-/// One step along the chain.
-enum Step<'a> {
-    Fixed(&'a Element),
-    /// Sine and cosine of theta.
-    Turn(Polynomial, Polynomial),
-    /// d
-    Slide(Polynomial),
-}
-
-/// A joint (the base has none) and the link behind it.
-type Stretch<'a> = (Option<Step<'a>>, Vec<Step<'a>>);
-
 /// Vocabulary, prescribed numbers and equations of a problem.
 pub(super) struct Closure {
     pub atoms: Atoms,
@@ -91,19 +125,19 @@ pub(super) fn build(
     unknowns: &Unknowns,
 ) -> Result<Closure, Trouble> {
     let plain = model.chain();
-    let mut builder = Builder { arena, model, unknowns, atoms: Atoms::default() };
-    builder.angles(&plain);
+    let mut walker = Walker { arena, model, unknowns, atoms: Atoms::default() };
+    walker.angles(&plain);
     let inputs: Vec<Expr> =
-        target.input_names().iter().map(|name| builder.arena.leaf(name, Leaf::Known)).collect();
+        target.input_names().iter().map(|name| walker.arena.leaf(name, Leaf::Known)).collect();
     let mut equations = Vec::new();
     let mut group = 0;
-    for tracked in builder.tracked(&plain, target, &inputs)? {
-        builder.track(&plain, &tracked, &mut group, &mut equations)?;
+    for tracked in walker.tracked(&plain, target, &inputs)? {
+        walker.track(&plain, &tracked, &mut group, &mut equations)?;
     }
     if let Some((cos, sin)) = yaw_inputs(target, &inputs) {
-        builder.yaw(&plain, cos, sin, &mut group, &mut equations)?;
+        walker.yaw(&plain, cos, sin, &mut group, &mut equations)?;
     }
-    Ok(Closure { atoms: builder.atoms, equations })
+    Ok(Closure { atoms: walker.atoms, equations })
 }
 
 fn yaw_inputs(target: Target, inputs: &[Expr]) -> Option<(Expr, Expr)> {
@@ -113,94 +147,7 @@ fn yaw_inputs(target: Target, inputs: &[Expr]) -> Option<(Expr, Expr)> {
     }
 }
 
-struct Builder<'a> {
-    arena: &'a mut Arena,
-    model: &'a Model,
-    unknowns: &'a Unknowns,
-    atoms: Atoms,
-}
-
-impl Builder<'_> {
-    /// Free angles first, then every constant that is no multiple of 15 degrees.
-    fn angles(&mut self, plain: &crate::model::Chain) {
-        let free = self.unknowns.free.iter().enumerate();
-        let angles = free.filter(|(_, free)| free.kind == JointKind::Revolute);
-        self.atoms.angles.extend(angles.map(|(index, _)| AngleData::Free(index)));
-        for (row, form) in self.unknowns.rows.iter().enumerate() {
-            let revolute = self.model.rows.get(row).is_some_and(|row| row.kind == JointKind::Revolute);
-            if revolute && form.offset.split().1 != 0.0 {
-                self.constant_angle(&format!("o{}", row + 1), form.offset.split().1);
-            }
-        }
-        for element in plain.links.iter().flat_map(|link| &link.elements) {
-            if let Element::Rotate { angle: Angle { value, fifteenths: None }, name, .. } = element {
-                self.constant_angle(name, *value);
-            }
-        }
-    }
-
-    fn constant_angle(&mut self, name: &str, value: f64) {
-        let known = |angle: &AngleData| matches!(angle, AngleData::Constant { value: v, .. } if v.abs() == value.abs());
-        if !self.atoms.angles.iter().any(known) {
-            self.atoms.angles.push(AngleData::Constant { name: name.to_string(), value });
-        }
-    }
-
-    fn size(&self) -> usize {
-        self.atoms.angles.len()
-    }
-
-    /// (sine, cosine) of frequency . angles + fifteenths * 15 degrees + rest.
-    fn sin_cos(
-        &self,
-        mut frequency: Vec<i16>,
-        fifteenths: i32,
-        rest: f64,
-    ) -> Result<(Polynomial, Polynomial), Overflow> {
-        if rest != 0.0 {
-            for (entry, angle) in frequency.iter_mut().zip(&self.atoms.angles) {
-                if let AngleData::Constant { value, .. } = angle
-                    && value.abs() == rest.abs()
-                {
-                    *entry += if *value == rest { 1 } else { -1 };
-                }
-            }
-        }
-        let (sin, cos) = (Polynomial::trig(&frequency, true), Polynomial::trig(&frequency, false));
-        let (s, c) = (Number::sin(fifteenths), Number::cos(fifteenths));
-        Ok((sin.scaled(c)?.add_scaled(&cos, s)?, cos.scaled(c)?.add_scaled(&sin, -s)?))
-    }
-
-    fn form_sin_cos(&self, form: &Form) -> Result<(Polynomial, Polynomial), Overflow> {
-        let (fifteenths, rest) = form.offset.split();
-        let frequency = self.atoms.angles.iter().map(|angle| match angle {
-            AngleData::Free(index) => form.coefficients.get(*index).map_or(0, |x| x.round() as i16),
-            AngleData::Constant { .. } => 0,
-        });
-        self.sin_cos(frequency.collect(), fifteenths, rest)
-    }
-
-    fn parameter(&mut self, name: &str, value: f64, note: &str, dimension: u8) -> Polynomial {
-        let expr = self.arena.parameter(name, value, dimension, note);
-        self.atoms.polynomial(name, dimension, Source::Table(expr))
-    }
-
-    fn known(&mut self, name: &str, expr: Expr, dimension: u8) -> Result<Polynomial, Overflow> {
-        if self.arena.is_zero(expr) {
-            return Ok(Polynomial::zero());
-        }
-        let (positive, bare) = self.arena.split_sign(expr);
-        let leaf = match self.arena.node(bare) {
-            crate::symbolic::expression::Node::Leaf(index) => {
-                self.arena.leaf_at(index).map(|(name, _)| name.to_string())
-            }
-            _ => None,
-        };
-        self.arena.name(bare, name);
-        let atom = self.atoms.polynomial(leaf.as_deref().unwrap_or(name), dimension, Source::Target(bare));
-        atom.scaled(Number::integer(if positive { 1 } else { -1 }))
-    }
-
+impl Walker<'_> {
     fn tracked(
         &mut self,
         plain: &crate::model::Chain,
@@ -332,6 +279,7 @@ impl Builder<'_> {
         }
         from_tip.reverse();
         let mut outer = tracked.target.clone();
+        let mut norms = Vec::new();
         for (index, (joint, link)) in steps.iter().enumerate() {
             if let Some(joint) = joint {
                 let frame = plain.joints.get(index.wrapping_sub(1)).map_or(0, |joint| joint.row);
@@ -340,9 +288,15 @@ impl Builder<'_> {
                         equations.push(Equation {
                             polynomial: left.sub(right)?,
                             group: *group,
-                            origin: format!("row {} of the {} in frame {frame}", row + 1, tracked.what),
+                            origin: Origin {
+                                rows: vec![row + 1],
+                                ..Origin::whole(format!("the {} in frame {frame}", tracked.what))
+                            },
                             name: tracked.row_name(row, frame),
                         });
+                    }
+                    if tracked.point {
+                        norms.push((frame, squared(&outer)?, squared(inner)?));
                     }
                 }
                 *group += 1;
@@ -355,6 +309,21 @@ impl Builder<'_> {
                 for step in link {
                     outer = self.carry(step, outer, tracked.point, true)?;
                 }
+            }
+        }
+        // Where axes meet, a distance knows less of the joints than the coordinates do.
+        for (frame, outer, inner) in norms {
+            if let (Some(outer), Some(inner)) = (outer, inner) {
+                *group += 1;
+                equations.push(Equation {
+                    polynomial: outer.sub(&inner)?,
+                    group: *group,
+                    origin: Origin::whole(format!(
+                        "squared distance of the {} from the origin of frame {frame}",
+                        tracked.what
+                    )),
+                    name: format!("n{frame}"),
+                });
             }
         }
         Ok(())
@@ -384,151 +353,28 @@ impl Builder<'_> {
             equations.push(Equation {
                 polynomial,
                 group: *group,
-                origin: what.to_string(),
+                origin: Origin::whole(what.to_string()),
                 name: "w".to_string(),
             });
         }
         *group += 1;
         Ok(())
     }
-
-    /// A vector of the tool frame in the base frame.
-    fn tip_in_base(
-        &mut self,
-        plain: &crate::model::Chain,
-        tip: Vector,
-        point: bool,
-    ) -> Result<Vector, Overflow> {
-        let steps = self.steps(plain)?;
-        let mut inner = tip;
-        for (joint, link) in steps.iter().rev() {
-            for step in link.iter().rev() {
-                inner = self.carry(step, inner, point, false)?;
-            }
-            if let Some(joint) = joint {
-                inner = self.carry(joint, inner, point, false)?;
-            }
-        }
-        Ok(inner)
-    }
-
-    /// Joints with the links behind them; the base's link comes first, without a joint.
-    fn steps<'p>(&mut self, plain: &'p crate::model::Chain) -> Result<Vec<Stretch<'p>>, Overflow> {
-        let mut steps = Vec::new();
-        for (index, link) in plain.links.iter().enumerate() {
-            let joint = match index.checked_sub(1).and_then(|index| plain.joints.get(index)) {
-                Some(joint) => Some(self.joint(joint.row, joint.kind)?),
-                None => None,
-            };
-            steps.push((joint, link.elements.iter().map(Step::Fixed).collect()));
-        }
-        Ok(steps)
-    }
-
-    fn joint<'p>(&mut self, row: usize, kind: JointKind) -> Result<Step<'p>, Overflow> {
-        let Some(form) = self.unknowns.rows.get(row).cloned() else {
-            return Ok(Step::Slide(Polynomial::zero()));
-        };
-        if kind == JointKind::Revolute {
-            let (sin, cos) = self.form_sin_cos(&form)?;
-            return Ok(Step::Turn(sin, cos));
-        }
-        let free: Vec<Free> = self.unknowns.free.clone();
-        let mut slide = match form.offset.value() {
-            0.0 => Polynomial::zero(),
-            constant => {
-                self.parameter(&format!("o{}", row + 1), constant, "constant part of a held slide", 1)
-            }
-        };
-        for (index, (coefficient, free)) in form.coefficients.iter().zip(free).enumerate() {
-            if *coefficient != 0.0 {
-                let name = format!("d{}", free.row + 1);
-                let atom = self.atoms.polynomial(&name, 1, Source::Slide(index));
-                let factor = if let Some(number) = Number::from_f64(*coefficient) {
-                    atom.scaled(number)?
-                } else {
-                    let name = format!("k{}_{}", row + 1, free.row + 1);
-                    atom.mul(&self.parameter(&name, *coefficient, "coupling", 0))?
-                };
-                slide = slide.add(&factor)?;
-            }
-        }
-        Ok(Step::Slide(slide))
-    }
-
-    /// A vector through a step, from its inside to its outside, or (`inward`) the other way.
-    fn carry(&mut self, step: &Step<'_>, v: Vector, point: bool, inward: bool) -> Result<Vector, Overflow> {
-        let shift = |v: Vector, axis: usize, by: &Polynomial| -> Result<Vector, Overflow> {
-            let mut v = v;
-            if let Some(entry) = v.get_mut(axis) {
-                *entry = if inward { entry.sub(by)? } else { entry.add(by)? };
-            }
-            Ok(v)
-        };
-        match step {
-            Step::Slide(by) if point => shift(v, 2, by),
-            Step::Slide(_) => Ok(v),
-            Step::Turn(sin, cos) => turn(v, 2, sin, cos, inward),
-            Step::Fixed(Element::Translate { .. }) if !point => Ok(v),
-            Step::Fixed(Element::Translate { axis, value, name, note }) => {
-                let by = self.parameter(name, *value, note, 1);
-                shift(v, *axis, &by)
-            }
-            Step::Fixed(Element::Rotate { axis, angle, .. }) => {
-                let turn_by = crate::symbolic::angle::Turn::new(*angle);
-                let (sin, cos) = self.sin_cos(vec![0; self.size()], turn_by.fifteenths, turn_by.rest)?;
-                turn(v, *axis, &sin, &cos, inward)
-            }
-            Step::Fixed(Element::Matrix { rows, name, note }) => self.matrix(&v, rows, name, note, inward),
-        }
-    }
-
-    fn matrix(
-        &mut self,
-        v: &Vector,
-        rows: &[[f64; 3]; 3],
-        name: &str,
-        note: &str,
-        inward: bool,
-    ) -> Result<Vector, Overflow> {
-        let mut out = [Polynomial::zero(), Polynomial::zero(), Polynomial::zero()];
-        for (i, row) in rows.iter().enumerate() {
-            for (j, number) in row.iter().enumerate() {
-                let (to, from) = if inward { (j, i) } else { (i, j) };
-                if *number == 0.0 {
-                    continue;
-                }
-                let entry = self.parameter(&format!("{name}{}{}", i + 1, j + 1), *number, note, 0);
-                if let (Some(out), Some(v)) = (out.get_mut(to), v.get(from)) {
-                    *out = out.add(&entry.mul(v)?)?;
-                }
-            }
-        }
-        Ok(out)
-    }
 }
 
-/// Turned about a coordinate axis, or back.
-fn turn(v: Vector, axis: usize, sin: &Polynomial, cos: &Polynomial, back: bool) -> Result<Vector, Overflow> {
-    let sin = if back { sin.scaled(Number::integer(-1))? } else { sin.clone() };
-    let rotate = |a: &Polynomial, b: &Polynomial| -> Result<(Polynomial, Polynomial), Overflow> {
-        Ok((cos.mul(a)?.sub(&sin.mul(b)?)?, sin.mul(a)?.add(&cos.mul(b)?)?))
-    };
-    let [x, y, z] = v;
-    Ok(match axis {
-        0 => {
-            let (y, z) = rotate(&y, &z)?;
-            [x, y, z]
-        }
-        1 => {
-            let (z, x) = rotate(&z, &x)?;
-            [x, y, z]
-        }
-        _ => {
-            let (x, y) = rotate(&x, &y)?;
-            [x, y, z]
-        }
-    })
+/// Vectors with longer entries are not squared.
+const LONGEST_SQUARED: usize = 12;
+
+/// x^2 + y^2 + z^2, unless it would be too long.
+fn squared(v: &Vector) -> Result<Option<Polynomial>, Overflow> {
+    if v.iter().any(|entry| entry.len() > LONGEST_SQUARED) {
+        return Ok(None);
+    }
+    let mut sum = Polynomial::zero();
+    for entry in v {
+        sum = sum.add(&entry.mul(entry)?)?;
+    }
+    Ok(Some(sum))
 }
 
 impl Closure {

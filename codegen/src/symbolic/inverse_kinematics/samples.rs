@@ -131,7 +131,7 @@ fn pose(model: &Model, unknowns: &Unknowns, free: &[f64]) -> [[f64; 3]; 4] {
         let value = sum + form.offset.value();
         match joint.kind {
             JointKind::Revolute => {
-                columns = columns.map(|v| turned(v, 2, libm::sin(value), libm::cos(value)))
+                columns = columns.map(|v| turned(v, 2, libm::sin(value), libm::cos(value)));
             }
             JointKind::Prismatic => columns[3][2] += value,
         }

@@ -6,7 +6,7 @@
 //! and the shortest coefficients is kept.
 
 use super::atoms::{Atoms, Source};
-use super::closure::Equation;
+use super::closure::{Equation, Origin};
 use super::polynomial::{Atom, Overflow, Polynomial};
 use super::reading::{self, Open, Reading, Simple};
 use super::samples::Sample;
@@ -17,7 +17,7 @@ use crate::symbolic::expression::Arena;
 pub(super) struct Found {
     pub unknown: Unknown,
     pub equation: Solved,
-    pub origin: String,
+    pub origin: Origin,
     /// Whether it fails only where the arm is singular: not so for two equations whose determinant can vanish alone.
     sound: bool,
 }
@@ -204,7 +204,7 @@ fn settle(state: &mut State) -> Result<(), Overflow> {
 struct Lone {
     simple: Simple,
     group: usize,
-    origin: String,
+    origin: Origin,
 }
 
 fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>, Overflow> {
@@ -291,7 +291,7 @@ fn pair(
         return Ok(None);
     }
     let equation = Solved::Pair([a.clone(), b.clone(), c.clone()], [a2.clone(), b2.clone(), c2.clone()]);
-    let origin = format!("{} and {}", first.origin, second.origin);
+    let origin = first.origin.with(&second.origin);
     let sound = perpendicular([a, b], [a2, b2])? || of_table(&state.atoms, &determinant);
     Ok(Some(Found { unknown: unknown.clone(), equation, origin, sound }))
 }
@@ -348,7 +348,7 @@ fn subsets(rows: usize) -> Vec<Vec<usize>> {
 
 fn square_sum(rows: &[&Equation], open: &Open) -> Result<Option<Equation>, Overflow> {
     let mut sum = Polynomial::zero();
-    let mut origins = Vec::new();
+    let mut origin: Option<Origin> = None;
     for row in rows {
         let known = Reading::new(&row.polynomial, open)?.constant();
         let unknown = row.polynomial.sub(&known)?;
@@ -356,16 +356,16 @@ fn square_sum(rows: &[&Equation], open: &Open) -> Result<Option<Equation>, Overf
             return Ok(None);
         }
         sum = sum.add(&unknown.mul(&unknown)?)?.sub(&known.mul(&known)?)?;
-        origins.push(row.origin.as_str());
+        origin = Some(origin.map_or_else(|| row.origin.clone(), |origin| origin.with(&row.origin)));
     }
     if sum.is_zero() {
         return Ok(None);
     }
-    let Some(first) = rows.first() else { return Ok(None) };
+    let (Some(first), Some(origin)) = (rows.first(), origin) else { return Ok(None) };
     Ok(Some(Equation {
         polynomial: sum,
         group: usize::MAX,
-        origin: format!("squares of {}", origins.join(" and ")),
+        origin: Origin { squares: true, ..origin },
         name: first.name.clone(),
     }))
 }

@@ -91,7 +91,7 @@ impl Writer<'_> {
             dimension: self.dimension(&found.equation),
             text,
             definitions,
-            origin: found.origin.clone(),
+            origin: found.origin.to_string(),
         }
     }
 
@@ -220,7 +220,7 @@ impl Writer<'_> {
             Source::Slide(_) => self.arena.leaf(&data.name, Leaf::Known),
             Source::Abbreviation(definition) => {
                 let expr = self.expr(definition);
-                self.arena.name(expr, &data.name);
+                self.arena.label(expr, &data.name);
                 expr
             }
         };
