@@ -39,13 +39,13 @@ use ::dh_runtime::{
 )]
 pub struct CraneX7;
 
+const D1: f64 = 0.105; // link offset of joint 1, table line 11
 const D3: f64 = 0.25; // link offset of joint 3, table line 26
 const D5: f64 = 0.25; // link offset of joint 5, table line 41
 const TOOL_Z: f64 = 0.019; // z of [tool]
-const D1: f64 = 0.105; // link offset of joint 1, table line 11
-const K1: f64 = 0.1345; // = d3 (2 tool_z + 2 d5)
-const K2: f64 = 0.000_361; // = tool_z^2
-const K3: f64 = 0.0625; // = d3^2
+const K1: f64 = 0.21; // = 2 d1
+const K2: f64 = 0.0625; // = d3^2
+const K3: f64 = 0.000_361; // = tool_z^2
 const K4: f64 = 0.072; // = d5 (d5 + 2 tool_z)
 const K5: f64 = 0.269; // = tool_z + d5
 const K6: f64 = 0.125; // = 2 d3 d5
@@ -217,12 +217,12 @@ impl CraneX7 {
     /// Solved step by step:
     ///
     /// - theta1: `py c1 - px s1 = 0` (row 3 of the position in frame 1)
-    /// - theta4: `d3 (2 tool_z + 2 d5) c4 = z0^2 + x1^2 - tool_z^2 - d3^2 - d5 (d5 + 2 tool_z)`
-    ///   (squares of row 1 of the position in frame 1 and row 2 of the position in frame 1)
-    /// - theta2: `x1 c2 + z0 s2 = -x2; z0 c2 - x1 s2 = z2` (row 1 of the position in frame 2 and
-    ///   row 3 of the position in frame 2)
+    /// - theta2: `d3 (2 pz - 2 d1) c2 - d3 (2 px c1 + 2 s1 py) s2 = -n3` (squared distance of the
+    ///   position from the origin of frame 3)
+    /// - theta4: `(tool_z + d5) s4 = -x2; (tool_z + d5) c4 = -z2` (rows 1 and 3 of the position in
+    ///   frame 2)
     ///
-    /// Besides solving, on each branch: 6 multiplications, 7 additions, 2 sine-cosine pairs.
+    /// Besides solving, on each branch: 17 multiplications, 14 additions, 2 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -270,10 +270,10 @@ impl CraneX7 {
     /// Solved step by step:
     ///
     /// - theta1: `py c1 - px s1 = 0` (row 3 of the position in frame 1)
-    /// - theta4: `2 d3 d5 c4 = z0^2 + x1^2 - d5^2 - d3^2` (squares of row 1 of the position in
-    ///   frame 1 and row 2 of the position in frame 1)
-    /// - theta2: `d5 s4 c2 + (d5 c4 + d3) s2 = -x1; (d5 c4 + d3) c2 - d5 s4 s2 = z0` (row 1 of the
-    ///   position in frame 1 and row 2 of the position in frame 1)
+    /// - theta4: `2 d3 d5 c4 = z0^2 + x1^2 - d5^2 - d3^2` (squares of rows 1 and 2 of the position
+    ///   in frame 1)
+    /// - theta2: `d5 s4 c2 + (d5 c4 + d3) s2 = -x1; (d5 c4 + d3) c2 - d5 s4 s2 = z0` (rows 1 and 2
+    ///   of the position in frame 1)
     ///
     /// Besides solving, on each branch: 6 multiplications, 7 additions, 2 sine-cosine pairs.
     ///
@@ -348,10 +348,10 @@ fn forward_kinematics(q: &[f64; 7]) -> Frame {
     let t7 = c5 * t4 - s5 * t5;
     let t8 = s4 * t2 + c4 * t3;
     let t9 = c6 * t7 - s6 * t8;
-    let r11 = s7 * t6 - c7 * t9;
-    let r12 = c7 * t6 + s7 * t9;
-    let r13 = c6 * t8 + s6 * t7;
-    let px = D3 * t3 + D5 * t8 + TOOL_Z * r13;
+    let nr11 = s7 * t6 - c7 * t9;
+    let nr12 = c7 * t6 + s7 * t9;
+    let nr13 = c6 * t8 + s6 * t7;
+    let npx = D3 * t3 + D5 * t8 + TOOL_Z * nr13;
     let t10 = c2 * s1;
     let t11 = c3 * t10 + s3 * c1;
     let t12 = s2 * s1;
@@ -361,10 +361,10 @@ fn forward_kinematics(q: &[f64; 7]) -> Frame {
     let t16 = c5 * t13 - s5 * t14;
     let t17 = s4 * t11 + c4 * t12;
     let t18 = c6 * t16 - s6 * t17;
-    let r21 = s7 * t15 - c7 * t18;
-    let r22 = c7 * t15 + s7 * t18;
-    let r23 = c6 * t17 + s6 * t16;
-    let py = D3 * t12 + D5 * t17 + TOOL_Z * r23;
+    let nr21 = s7 * t15 - c7 * t18;
+    let nr22 = c7 * t15 + s7 * t18;
+    let nr23 = c6 * t17 + s6 * t16;
+    let npy = D3 * t12 + D5 * t17 + TOOL_Z * nr23;
     let t19 = c3 * s2;
     let t20 = c4 * t19 + s4 * c2;
     let t21 = s3 * s2;
@@ -372,13 +372,17 @@ fn forward_kinematics(q: &[f64; 7]) -> Frame {
     let t23 = c5 * t20 - s5 * t21;
     let t24 = s4 * t19 - c4 * c2;
     let t25 = c6 * t23 - s6 * t24;
-    let r31 = s7 * t22 - c7 * t25;
-    let r32 = c7 * t22 + s7 * t25;
-    let r33 = c6 * t24 + s6 * t23;
-    let pz = D3 * c2 + D1 - D5 * t24 - TOOL_Z * r33;
+    let nr31 = s7 * t22 - c7 * t25;
+    let nr32 = c7 * t22 + s7 * t25;
+    let nr33 = c6 * t24 + s6 * t23;
+    let pz = D3 * c2 + D1 - D5 * t24 - TOOL_Z * nr33;
     Frame {
-        rotation: [[-r11, -r12, -r13], [-r21, -r22, -r23], [-r31, -r32, -r33]],
-        translation: [-px, -py, pz],
+        rotation: [
+            [-nr11, -nr12, -nr13],
+            [-nr21, -nr22, -nr23],
+            [-nr31, -nr32, -nr33],
+        ],
+        translation: [-npx, -npy, pz],
     }
 }
 
@@ -402,10 +406,10 @@ fn flange_pose(q: &[f64; 7]) -> Frame {
     let t7 = c5 * t4 - s5 * t5;
     let t8 = s4 * t2 + c4 * t3;
     let t9 = c6 * t7 - s6 * t8;
-    let r11 = s7 * t6 - c7 * t9;
-    let r12 = c7 * t6 + s7 * t9;
-    let r13 = c6 * t8 + s6 * t7;
-    let px = D3 * t3 + D5 * t8;
+    let nr11 = s7 * t6 - c7 * t9;
+    let nr12 = c7 * t6 + s7 * t9;
+    let nr13 = c6 * t8 + s6 * t7;
+    let npx = D3 * t3 + D5 * t8;
     let t10 = c2 * s1;
     let t11 = c3 * t10 + s3 * c1;
     let t12 = s2 * s1;
@@ -415,10 +419,10 @@ fn flange_pose(q: &[f64; 7]) -> Frame {
     let t16 = c5 * t13 - s5 * t14;
     let t17 = s4 * t11 + c4 * t12;
     let t18 = c6 * t16 - s6 * t17;
-    let r21 = s7 * t15 - c7 * t18;
-    let r22 = c7 * t15 + s7 * t18;
-    let r23 = c6 * t17 + s6 * t16;
-    let py = D3 * t12 + D5 * t17;
+    let nr21 = s7 * t15 - c7 * t18;
+    let nr22 = c7 * t15 + s7 * t18;
+    let nr23 = c6 * t17 + s6 * t16;
+    let npy = D3 * t12 + D5 * t17;
     let t19 = c3 * s2;
     let t20 = c4 * t19 + s4 * c2;
     let t21 = s3 * s2;
@@ -426,13 +430,17 @@ fn flange_pose(q: &[f64; 7]) -> Frame {
     let t23 = c5 * t20 - s5 * t21;
     let t24 = s4 * t19 - c4 * c2;
     let t25 = c6 * t23 - s6 * t24;
-    let r31 = s7 * t22 - c7 * t25;
-    let r32 = c7 * t22 + s7 * t25;
-    let r33 = c6 * t24 + s6 * t23;
+    let nr31 = s7 * t22 - c7 * t25;
+    let nr32 = c7 * t22 + s7 * t25;
+    let nr33 = c6 * t24 + s6 * t23;
     let pz = D3 * c2 + D1 - D5 * t24;
     Frame {
-        rotation: [[-r11, -r12, -r13], [-r21, -r22, -r23], [-r31, -r32, -r33]],
-        translation: [-px, -py, pz],
+        rotation: [
+            [-nr11, -nr12, -nr13],
+            [-nr21, -nr22, -nr23],
+            [-nr31, -nr32, -nr33],
+        ],
+        translation: [-npx, -npy, pz],
     }
 }
 
@@ -446,20 +454,20 @@ fn geometric_jacobian(q: &[f64; 7]) -> [[f64; 6]; 7] {
     let (s4, c4) = Float::sin_cos(q[3]);
     let (s5, c5) = Float::sin_cos(q[4]);
     let (s6, c6) = Float::sin_cos(q[5]);
-    let x5 = TOOL_Z * s6;
-    let x4 = x5 * c5;
+    let nx5 = TOOL_Z * s6;
+    let nx4 = nx5 * c5;
     let y5 = TOOL_Z * c6;
     let z4 = y5 + D5;
-    let x3 = x4 * c4 + z4 * s4;
-    let y4 = x5 * s5;
-    let x2 = x3 * c3 - y4 * s3;
-    let y3 = x4 * s4 - z4 * c4;
-    let z2 = y3 - D3;
-    let x1 = x2 * c2 - z2 * s2;
-    let y2 = x3 * s3 + y4 * c3;
-    let py = x1 * s1 + y2 * c1;
-    let px = x1 * c1 - y2 * s1;
-    let y1 = x2 * s2 + z2 * c2;
+    let nx3 = nx4 * c4 + z4 * s4;
+    let ny4 = nx5 * s5;
+    let nx2 = nx3 * c3 - ny4 * s3;
+    let ny3 = nx4 * s4 - z4 * c4;
+    let nz2 = ny3 - D3;
+    let nx1 = nx2 * c2 - nz2 * s2;
+    let ny2 = nx3 * s3 + ny4 * c3;
+    let npy = nx1 * s1 + ny2 * c1;
+    let npx = nx1 * c1 - ny2 * s1;
+    let ny1 = nx2 * s2 + nz2 * c2;
     let t1 = c2 * c1;
     let t2 = c2 * s1;
     let t3 = s2 * c1;
@@ -479,38 +487,45 @@ fn geometric_jacobian(q: &[f64; 7]) -> [[f64; 6]; 7] {
     let t17 = c5 * t11 - s5 * t8;
     let t18 = c5 * t12 - s5 * t9;
     let t19 = c5 * t13 - s5 * t10;
-    let r13 = s6 * t17 + c6 * t14;
-    let r23 = s6 * t18 + c6 * t15;
-    let r33 = s6 * t19 + c6 * t16;
+    let nr13 = s6 * t17 + c6 * t14;
+    let nr23 = s6 * t18 + c6 * t15;
+    let nr33 = s6 * t19 + c6 * t16;
     [
-        [py, -px, 0.0, 0.0, 0.0, 1.0],
-        [y1 * c1, y1 * s1, -x1, s1, -c1, 0.0],
-        [x2 * s1 + y2 * t1, y2 * t2 - x2 * c1, y2 * s2, -t3, -t4, c2],
+        [npy, -npx, 0.0, 0.0, 0.0, 1.0],
+        [ny1 * c1, ny1 * s1, -nx1, s1, -c1, 0.0],
         [
-            y3 * t5 + x3 * t3,
-            y3 * t6 + x3 * t4,
-            y3 * t7 - x3 * c2,
+            nx2 * s1 + ny2 * t1,
+            ny2 * t2 - nx2 * c1,
+            ny2 * s2,
+            -t3,
+            -t4,
+            c2,
+        ],
+        [
+            ny3 * t5 + nx3 * t3,
+            ny3 * t6 + nx3 * t4,
+            ny3 * t7 - nx3 * c2,
             t8,
             t9,
             t10,
         ],
         [
-            y4 * t11 + x4 * t8,
-            y4 * t12 + x4 * t9,
-            y4 * t13 + x4 * t10,
+            ny4 * t11 + nx4 * t8,
+            ny4 * t12 + nx4 * t9,
+            ny4 * t13 + nx4 * t10,
             -t14,
             -t15,
             -t16,
         ],
         [
-            x5 * t14 - y5 * t17,
-            x5 * t15 - y5 * t18,
-            x5 * t16 - y5 * t19,
+            nx5 * t14 - y5 * t17,
+            nx5 * t15 - y5 * t18,
+            nx5 * t16 - y5 * t19,
             s5 * t11 + c5 * t8,
             s5 * t12 + c5 * t9,
             s5 * t13 + c5 * t10,
         ],
-        [0.0, 0.0, 0.0, -r13, -r23, -r33],
+        [0.0, 0.0, 0.0, -nr13, -nr23, -nr33],
     ]
 }
 
@@ -538,11 +553,11 @@ fn pose_and_jacobian(q: &[f64; 7]) -> (Frame, [[f64; 6]; 7]) {
     let t7 = c5 * t4 - s5 * t5;
     let t8 = s4 * t2 + c4 * t3;
     let t9 = c6 * t7 - s6 * t8;
-    let r11 = s7 * t6 - c7 * t9;
-    let r12 = c7 * t6 + s7 * t9;
-    let r13 = s6 * t7 + c6 * t8;
+    let nr11 = s7 * t6 - c7 * t9;
+    let nr12 = c7 * t6 + s7 * t9;
+    let nr13 = s6 * t7 + c6 * t8;
     let t10 = D3 * t3;
-    let px = t10 + D5 * t8 + TOOL_Z * r13;
+    let npx = t10 + D5 * t8 + TOOL_Z * nr13;
     let t11 = c2 * s1;
     let t12 = c3 * t11 + s3 * c1;
     let t13 = s2 * s1;
@@ -552,11 +567,11 @@ fn pose_and_jacobian(q: &[f64; 7]) -> (Frame, [[f64; 6]; 7]) {
     let t17 = c5 * t14 - s5 * t15;
     let t18 = s4 * t12 + c4 * t13;
     let t19 = c6 * t17 - s6 * t18;
-    let r21 = s7 * t16 - c7 * t19;
-    let r22 = c7 * t16 + s7 * t19;
-    let r23 = s6 * t17 + c6 * t18;
+    let nr21 = s7 * t16 - c7 * t19;
+    let nr22 = c7 * t16 + s7 * t19;
+    let nr23 = s6 * t17 + c6 * t18;
     let t20 = D3 * t13;
-    let py = t20 + D5 * t18 + TOOL_Z * r23;
+    let npy = t20 + D5 * t18 + TOOL_Z * nr23;
     let t21 = c3 * s2;
     let t22 = c4 * t21 + s4 * c2;
     let t23 = s3 * s2;
@@ -564,29 +579,33 @@ fn pose_and_jacobian(q: &[f64; 7]) -> (Frame, [[f64; 6]; 7]) {
     let t25 = c5 * t22 - s5 * t23;
     let t26 = s4 * t21 - c4 * c2;
     let t27 = c6 * t25 - s6 * t26;
-    let r31 = s7 * t24 - c7 * t27;
-    let r32 = c7 * t24 + s7 * t27;
-    let r33 = s6 * t25 + c6 * t26;
+    let nr31 = s7 * t24 - c7 * t27;
+    let nr32 = c7 * t24 + s7 * t27;
+    let nr33 = s6 * t25 + c6 * t26;
     let t28 = D3 * c2 + D1;
-    let pz = t28 - D5 * t26 - TOOL_Z * r33;
+    let pz = t28 - D5 * t26 - TOOL_Z * nr33;
     let t29 = pz - D1;
-    let t30 = t20 - py;
+    let t30 = t20 - npy;
     let t31 = t28 - pz;
-    let t32 = t10 - px;
+    let t32 = t10 - npx;
     let y5 = TOOL_Z * c6;
-    let x5 = TOOL_Z * s6;
+    let nx5 = TOOL_Z * s6;
     (
         Frame {
-            rotation: [[-r11, -r12, -r13], [-r21, -r22, -r23], [-r31, -r32, -r33]],
-            translation: [-px, -py, pz],
+            rotation: [
+                [-nr11, -nr12, -nr13],
+                [-nr21, -nr22, -nr23],
+                [-nr31, -nr32, -nr33],
+            ],
+            translation: [-npx, -npy, pz],
         },
         [
-            [py, -px, 0.0, 0.0, 0.0, 1.0],
-            [-c1 * t29, -s1 * t29, -(s1 * py + c1 * px), s1, -c1, 0.0],
+            [npy, -npx, 0.0, 0.0, 0.0, 1.0],
+            [-c1 * t29, -s1 * t29, -(s1 * npy + c1 * npx), s1, -c1, 0.0],
             [
-                c2 * py - t13 * t29,
-                t3 * t29 - c2 * px,
-                t3 * py - t13 * px,
+                c2 * npy - t13 * t29,
+                t3 * t29 - c2 * npx,
+                t3 * npy - t13 * npx,
                 -t3,
                 -t13,
                 c2,
@@ -608,14 +627,14 @@ fn pose_and_jacobian(q: &[f64; 7]) -> (Frame, [[f64; 6]; 7]) {
                 -t26,
             ],
             [
-                x5 * t8 - y5 * t7,
-                x5 * t18 - y5 * t17,
-                x5 * t26 - y5 * t25,
+                nx5 * t8 - y5 * t7,
+                nx5 * t18 - y5 * t17,
+                nx5 * t26 - y5 * t25,
                 t6,
                 t16,
                 t24,
             ],
-            [0.0, 0.0, 0.0, -r13, -r23, -r33],
+            [0.0, 0.0, 0.0, -nr13, -nr23, -nr33],
         ],
     )
 }
@@ -711,8 +730,8 @@ fn tool_point(q: &[f64; 7]) -> [f64; 3] {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_planar(target: &Target) -> Result<Solutions<7>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
-    const THETA4: Step = Step::new(1, 0b1000, false, Measure::Area);
-    const THETA2: Step = Step::new(2, 0b10, false, Measure::Length);
+    const THETA2: Step = Step::new(1, 0b10, false, Measure::Area);
+    const THETA4: Step = Step::new(2, 0b1000, false, Measure::Length);
 
     let target = target.validate_as(TargetKind::Position)?;
     let [px, py, pz] = target.numbers().array();
@@ -721,19 +740,26 @@ fn solve_planar(target: &Target) -> Result<Solutions<7>, IkError> {
     // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
     for theta1 in search.trig(THETA1, py, -px, 0.0) {
         let (s1, c1) = Float::sin_cos(theta1);
-        let z0 = pz - D1;
-        let x1 = px * c1 + py * s1;
+        let t1 = 2.0 * pz;
+        let n3 = D1 * (t1 - D1) - (px * px + py * py + pz * pz + K2 - K3 - K4);
 
-        // theta4: d3 (2 tool_z + 2 d5) c4 = z0^2 + x1^2 - tool_z^2 - d3^2 - d5 (d5 + 2 tool_z)
-        // (squares of row 1 of the position in frame 1 and row 2 of the position in frame 1)
-        for theta4 in search.trig(THETA4, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3 - K4) {
-            let (s4, c4) = Float::sin_cos(theta4);
-            let x2 = K5 * s4;
-            let z2 = K5 * c4 + D3;
+        // theta2: d3 (2 pz - 2 d1) c2 - d3 (2 px c1 + 2 s1 py) s2 = -n3 (squared distance of the
+        // position from the origin of frame 3)
+        for theta2 in search.trig(
+            THETA2,
+            D3 * (t1 - K1),
+            -D3 * (2.0 * px * c1 + s1 * (2.0 * py)),
+            -n3,
+        ) {
+            let (s2, c2) = Float::sin_cos(theta2);
+            let t2 = pz - D1;
+            let t3 = px * c1 + py * s1;
+            let x2 = t2 * s2 + c2 * t3;
+            let z2 = s2 * t3 - (t2 * c2 - D3);
 
-            // theta2: x1 c2 + z0 s2 = -x2; z0 c2 - x1 s2 = z2 (row 1 of the position in frame 2 and
-            // row 3 of the position in frame 2)
-            for theta2 in search.trig_pair(THETA2, [x1, z0, -x2], [z0, -x1, z2]) {
+            // theta4: (tool_z + d5) s4 = -x2; (tool_z + d5) c4 = -z2 (rows 1 and 3 of the position
+            // in frame 2)
+            for theta4 in search.trig_pair(THETA4, [0.0, K5, -x2], [K5, 0.0, -z2]) {
                 let q = [theta1, theta2, 0.0, theta4, 0.0, 0.0, 0.0];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                 search.accept(q, position_error, rotation_error);
@@ -760,15 +786,15 @@ fn solve_wrist_down(target: &Target) -> Result<Solutions<7>, IkError> {
         let z0 = pz + TOOL_Z - D1;
         let x1 = px * c1 + py * s1;
 
-        // theta4: 2 d3 d5 c4 = z0^2 + x1^2 - d5^2 - d3^2 (squares of row 1 of the position in frame
-        // 1 and row 2 of the position in frame 1)
-        for theta4 in search.trig(THETA4, K6, 0.0, z0 * z0 + x1 * x1 - K7 - K3) {
+        // theta4: 2 d3 d5 c4 = z0^2 + x1^2 - d5^2 - d3^2 (squares of rows 1 and 2 of the position
+        // in frame 1)
+        for theta4 in search.trig(THETA4, K6, 0.0, z0 * z0 + x1 * x1 - K7 - K2) {
             let (s4, c4) = Float::sin_cos(theta4);
             let t1 = D5 * s4;
             let t2 = D5 * c4 + D3;
 
-            // theta2: d5 s4 c2 + (d5 c4 + d3) s2 = -x1; (d5 c4 + d3) c2 - d5 s4 s2 = z0 (row 1 of
-            // the position in frame 1 and row 2 of the position in frame 1)
+            // theta2: d5 s4 c2 + (d5 c4 + d3) s2 = -x1; (d5 c4 + d3) c2 - d5 s4 s2 = z0 (rows 1 and
+            // 2 of the position in frame 1)
             for theta2 in search.trig_pair(THETA2, [t1, t2, -x1], [t2, -t1, z0]) {
                 let q = [theta1, theta2, 0.0, theta4, 0.0, -theta4 - theta2 - PI, 0.0];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));

@@ -33,13 +33,13 @@ use ::dh_runtime::{
 )]
 pub struct Elbow3R;
 
-const A3: f64 = 0.25; // link length of joint 3, table line 22
+const D1: f64 = 0.4; // link offset of joint 1, table line 11
 #[allow(clippy::approx_constant, reason = "as the table has it")]
 const A2: f64 = 0.3; // link length of joint 2, table line 17
-const D1: f64 = 0.4; // link offset of joint 1, table line 11
-const K1: f64 = 0.15; // = 2 a2 a3
-const K2: f64 = 0.0625; // = a3^2
-const K3: f64 = 0.09; // = a2^2
+const A3: f64 = 0.25; // link length of joint 3, table line 22
+const K1: f64 = 0.8; // = 2 d1
+const K2: f64 = 0.09; // = a2^2
+const K3: f64 = 0.0625; // = a3^2
 const REACH: f64 = 0.95; // bound on the distance of the tool point
 /// Whole turns of joints that leave every frame where it is (rad).
 const WINDINGS: [Winding<'static>; 3] = [
@@ -172,12 +172,11 @@ impl Elbow3R {
     /// Solved step by step:
     ///
     /// - theta1: `py c1 - px s1 = 0` (row 3 of the position in frame 1)
-    /// - theta3: `2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2` (squares of row 1 of the position in
-    ///   frame 1 and row 2 of the position in frame 1)
-    /// - theta2: `(a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0` (row 1 of the
-    ///   position in frame 1 and row 2 of the position in frame 1)
+    /// - theta2: `a2 (2 px c1 + 2 s1 py) c2 + a2 (2 pz - 2 d1) s2 = -n2` (squared distance of the
+    ///   position from the origin of frame 2)
+    /// - theta3: `a3 c3 = x2; a3 s3 = -y2` (rows 1 and 2 of the position in frame 2)
     ///
-    /// Besides solving, on each branch: 6 multiplications, 6 additions, 2 sine-cosine pairs.
+    /// Besides solving, on each branch: 17 multiplications, 13 additions, 2 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -226,12 +225,11 @@ impl Elbow3R {
     /// Solved step by step:
     ///
     /// - theta1: `py c1 - px s1 = 0` (row 3 of the position in frame 1)
-    /// - theta3: `2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2` (squares of row 1 of the position in
-    ///   frame 1 and row 2 of the position in frame 1)
-    /// - theta2: `(a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0` (row 1 of the
-    ///   position in frame 1 and row 2 of the position in frame 1)
+    /// - theta2: `a2 (2 px c1 + 2 s1 py) c2 + a2 (2 pz - 2 d1) s2 = -n2` (squared distance of the
+    ///   position from the origin of frame 2)
+    /// - theta3: `a3 c3 = x2; a3 s3 = -y2` (rows 1 and 2 of the position in frame 2)
     ///
-    /// Besides solving, on each branch: 6 multiplications, 6 additions, 2 sine-cosine pairs.
+    /// Besides solving, on each branch: 17 multiplications, 13 additions, 2 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -295,18 +293,18 @@ fn forward_kinematics(q: &[f64; 3]) -> Frame {
     let (s2, c2) = Float::sin_cos(q[1]);
     let (s23, c23) = Float::sin_cos(q[1] + q[2]);
     let r11 = c23 * c1;
-    let r12 = s23 * c1;
+    let nr12 = s23 * c1;
     let x1_2 = A3 * c23;
     let x1 = x1_2 + A2 * c2;
     let px = x1 * c1;
     let r21 = c23 * s1;
-    let r22 = s23 * s1;
+    let nr22 = s23 * s1;
     let py = x1 * s1;
     let y1_2 = A3 * s23;
     let y1 = y1_2 + A2 * s2;
     let pz = y1 + D1;
     Frame {
-        rotation: [[r11, -r12, s1], [r21, -r22, -c1], [s23, c23, 0.0]],
+        rotation: [[r11, -nr12, s1], [r21, -nr22, -c1], [s23, c23, 0.0]],
         translation: [px, py, pz],
     }
 }
@@ -339,19 +337,19 @@ fn pose_and_jacobian(q: &[f64; 3]) -> (Frame, [[f64; 6]; 3]) {
     let (s2, c2) = Float::sin_cos(q[1]);
     let (s23, c23) = Float::sin_cos(q[1] + q[2]);
     let r11 = c23 * c1;
-    let r12 = s23 * c1;
+    let nr12 = s23 * c1;
     let x1_2 = A3 * c23;
     let x1 = x1_2 + A2 * c2;
     let px = x1 * c1;
     let r21 = c23 * s1;
-    let r22 = s23 * s1;
+    let nr22 = s23 * s1;
     let py = x1 * s1;
     let y1_2 = A3 * s23;
     let y1 = y1_2 + A2 * s2;
     let pz = y1 + D1;
     (
         Frame {
-            rotation: [[r11, -r12, s1], [r21, -r22, -c1], [s23, c23, 0.0]],
+            rotation: [[r11, -nr12, s1], [r21, -nr22, -c1], [s23, c23, 0.0]],
             translation: [px, py, pz],
         },
         [
@@ -401,8 +399,8 @@ fn tool_point(q: &[f64; 3]) -> [f64; 3] {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_position(target: &Target) -> Result<Solutions<3>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
-    const THETA3: Step = Step::new(1, 0b100, false, Measure::Area);
-    const THETA2: Step = Step::new(2, 0b10, false, Measure::Length);
+    const THETA2: Step = Step::new(1, 0b10, false, Measure::Area);
+    const THETA3: Step = Step::new(2, 0b100, false, Measure::Length);
 
     let target = target.validate_as(TargetKind::Position)?;
     let [px, py, pz] = target.numbers().array();
@@ -411,19 +409,25 @@ fn solve_position(target: &Target) -> Result<Solutions<3>, IkError> {
     // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
     for theta1 in search.trig(THETA1, py, -px, 0.0) {
         let (s1, c1) = Float::sin_cos(theta1);
-        let z0 = pz - D1;
-        let x1 = px * c1 + py * s1;
+        let t1 = 2.0 * pz;
+        let n2 = D1 * (t1 - D1) - (px * px + py * py + pz * pz + K2 - K3);
 
-        // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2 (squares of row 1 of the position in frame
-        // 1 and row 2 of the position in frame 1)
-        for theta3 in search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3) {
-            let (s3, c3) = Float::sin_cos(theta3);
-            let t1 = A3 * c3 + A2;
-            let t2 = A3 * s3;
+        // theta2: a2 (2 px c1 + 2 s1 py) c2 + a2 (2 pz - 2 d1) s2 = -n2 (squared distance of the
+        // position from the origin of frame 2)
+        for theta2 in search.trig(
+            THETA2,
+            A2 * (2.0 * px * c1 + s1 * (2.0 * py)),
+            A2 * (t1 - K1),
+            -n2,
+        ) {
+            let (s2, c2) = Float::sin_cos(theta2);
+            let t2 = pz - D1;
+            let t3 = px * c1 + py * s1;
+            let x2 = t2 * s2 + (c2 * t3 - A2);
+            let y2 = s2 * t3 - t2 * c2;
 
-            // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0 (row 1 of
-            // the position in frame 1 and row 2 of the position in frame 1)
-            for theta2 in search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]) {
+            // theta3: a3 c3 = x2; a3 s3 = -y2 (rows 1 and 2 of the position in frame 2)
+            for theta3 in search.trig_pair(THETA3, [A3, 0.0, x2], [0.0, A3, -y2]) {
                 let q = [theta1, theta2, theta3];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                 search.accept(q, position_error, rotation_error);
@@ -437,8 +441,8 @@ fn solve_position(target: &Target) -> Result<Solutions<3>, IkError> {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_position_elbow_up(target: &Target) -> Result<Solutions<3>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
-    const THETA3: Step = Step::new(1, 0b100, false, Measure::Area);
-    const THETA2: Step = Step::new(2, 0b10, false, Measure::Length);
+    const THETA2: Step = Step::new(1, 0b10, false, Measure::Area);
+    const THETA3: Step = Step::new(2, 0b100, false, Measure::Length);
 
     let target = target.validate_as(TargetKind::Position)?;
     let [px, py, pz] = target.numbers().array();
@@ -447,19 +451,25 @@ fn solve_position_elbow_up(target: &Target) -> Result<Solutions<3>, IkError> {
     // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
     for theta1 in search.trig(THETA1, py, -px, 0.0) {
         let (s1, c1) = Float::sin_cos(theta1);
-        let z0 = pz - D1;
-        let x1 = px * c1 + py * s1;
+        let t1 = 2.0 * pz;
+        let n2 = D1 * (t1 - D1) - (px * px + py * py + pz * pz + K2 - K3);
 
-        // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2 (squares of row 1 of the position in frame
-        // 1 and row 2 of the position in frame 1)
-        for theta3 in search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3) {
-            let (s3, c3) = Float::sin_cos(theta3);
-            let t1 = A3 * c3 + A2;
-            let t2 = A3 * s3;
+        // theta2: a2 (2 px c1 + 2 s1 py) c2 + a2 (2 pz - 2 d1) s2 = -n2 (squared distance of the
+        // position from the origin of frame 2)
+        for theta2 in search.trig(
+            THETA2,
+            A2 * (2.0 * px * c1 + s1 * (2.0 * py)),
+            A2 * (t1 - K1),
+            -n2,
+        ) {
+            let (s2, c2) = Float::sin_cos(theta2);
+            let t2 = pz - D1;
+            let t3 = px * c1 + py * s1;
+            let x2 = t2 * s2 + (c2 * t3 - A2);
+            let y2 = s2 * t3 - t2 * c2;
 
-            // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0 (row 1 of
-            // the position in frame 1 and row 2 of the position in frame 1)
-            for theta2 in search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]) {
+            // theta3: a3 c3 = x2; a3 s3 = -y2 (rows 1 and 2 of the position in frame 2)
+            for theta3 in search.trig_pair(THETA3, [A3, 0.0, x2], [0.0, A3, -y2]) {
                 let q = [theta1, theta2, theta3];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                 // where theta3 <= 0

@@ -37,12 +37,12 @@ use ::dh_runtime::{
 )]
 pub struct MyCobot280Pi;
 
-const D6: f64 = 0.0436; // link offset of joint 6, table line 54
-const D5: f64 = 0.073_180_000_000_000_01; // link offset of joint 5, table line 45
-const A3: f64 = 0.096; // link length of joint 3, table line 29
-const A2: f64 = 0.110_400_000_000_000_01; // link length of joint 2, table line 21
-const D4: f64 = 0.066_39; // link offset of joint 4, table line 36
 const D1: f64 = 0.14; // link offset of joint 1, table line 12
+const A2: f64 = 0.110_400_000_000_000_01; // link length of joint 2, table line 21
+const A3: f64 = 0.096; // link length of joint 3, table line 29
+const D4: f64 = 0.066_39; // link offset of joint 4, table line 36
+const D5: f64 = 0.073_180_000_000_000_01; // link offset of joint 5, table line 45
+const D6: f64 = 0.0436; // link offset of joint 6, table line 54
 const K1: f64 = 0.021_196_800_000_000_002; // = 2 a2 a3
 const K2: f64 = 0.009_216; // = a3^2
 const K3: f64 = 0.012_188_160_000_000_003; // = a2^2
@@ -206,10 +206,10 @@ impl MyCobot280Pi {
     /// Solved step by step:
     ///
     /// - theta1: `py c1 - px s1 = -d4` (row 3 of the position in frame 1)
-    /// - theta3: `2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2` (squares of row 1 of the position in
-    ///   frame 1 and row 2 of the position in frame 1)
-    /// - theta2: `(a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0` (row 1 of the
-    ///   position in frame 1 and row 2 of the position in frame 1)
+    /// - theta3: `2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2` (squares of rows 1 and 2 of the position
+    ///   in frame 1)
+    /// - theta2: `(a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0` (rows 1 and 2
+    ///   of the position in frame 1)
     ///
     /// Besides solving, on each branch: 6 multiplications, 8 additions, 2 sine-cosine pairs.
     ///
@@ -261,10 +261,10 @@ impl MyCobot280Pi {
     /// Solved step by step:
     ///
     /// - theta1: `py c1 - px s1 = -d4` (row 3 of the position in frame 1)
-    /// - theta3: `2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2` (squares of row 1 of the position in
-    ///   frame 1 and row 2 of the position in frame 1)
-    /// - theta2: `(a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0` (row 1 of the
-    ///   position in frame 1 and row 2 of the position in frame 1)
+    /// - theta3: `2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2` (squares of rows 1 and 2 of the position
+    ///   in frame 1)
+    /// - theta2: `(a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0` (rows 1 and 2
+    ///   of the position in frame 1)
     ///
     /// Besides solving, on each branch: 6 multiplications, 8 additions, 2 sine-cosine pairs.
     ///
@@ -341,32 +341,36 @@ fn forward_kinematics(q: &[f64; 6]) -> Frame {
     let r11_1 = r11_4 * c234 + s6 * s234;
     let r21_4 = c6 * s5;
     let r11 = r11_1 * c1 + r21_4 * s1;
-    let r12_4 = s6 * c5;
-    let r12_1 = r12_4 * c234 - c6 * s234;
-    let r22_4 = s6 * s5;
-    let r12 = r12_1 * c1 + r22_4 * s1;
+    let nr12_4 = s6 * c5;
+    let nr12_1 = nr12_4 * c234 - c6 * s234;
+    let nr22_4 = s6 * s5;
+    let nr12 = nr12_1 * c1 + nr22_4 * s1;
     let r13_1 = s5 * c234;
     let r13 = r13_1 * c1 - c5 * s1;
     let x4 = D6 * s5;
     let x1_3 = x4 * c234 + D5 * s234;
     let x1_2 = x1_3 + A3 * c23;
     let x1 = x1_2 + A2 * c2;
-    let y4 = D6 * c5;
-    let z1 = y4 - D4;
-    let px = x1 * c1 - z1 * s1;
+    let ny4 = D6 * c5;
+    let nz1 = ny4 - D4;
+    let px = x1 * c1 - nz1 * s1;
     let r21 = r11_1 * s1 - r21_4 * c1;
-    let r22 = r12_1 * s1 - r22_4 * c1;
+    let nr22 = nr12_1 * s1 - nr22_4 * c1;
     let r23 = r13_1 * s1 + c5 * c1;
-    let py = x1 * s1 + z1 * c1;
+    let py = x1 * s1 + nz1 * c1;
     let r21_1 = r11_4 * s234 - s6 * c234;
-    let r22_1 = r12_4 * s234 + c6 * c234;
+    let nr22_1 = nr12_4 * s234 + c6 * c234;
     let r23_1 = s5 * s234;
     let y1_3 = x4 * s234 - D5 * c234;
     let y1_2 = y1_3 + A3 * s23;
     let y1 = y1_2 + A2 * s2;
     let pz = y1 + D1;
     Frame {
-        rotation: [[r11, -r12, r13], [r21, -r22, r23], [r21_1, -r22_1, r23_1]],
+        rotation: [
+            [r11, -nr12, r13],
+            [r21, -nr22, r23],
+            [r21_1, -nr22_1, r23_1],
+        ],
         translation: [px, py, pz],
     }
 }
@@ -389,14 +393,14 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
     let x1_3 = x4 * c234 + D5 * s234;
     let x1_2 = x1_3 + A3 * c23;
     let x1 = x1_2 + A2 * c2;
-    let y4 = D6 * c5;
-    let z1 = y4 - D4;
-    let py = x1 * s1 + z1 * c1;
-    let px = x1 * c1 - z1 * s1;
+    let ny4 = D6 * c5;
+    let nz1 = ny4 - D4;
+    let py = x1 * s1 + nz1 * c1;
+    let px = x1 * c1 - nz1 * s1;
     let y1_3 = x4 * s234 - D5 * c234;
     let y1_2 = y1_3 + A3 * s23;
     let y1 = y1_2 + A2 * s2;
-    let t1 = y4 * c234;
+    let t1 = ny4 * c234;
     let r13_1 = s5 * c234;
     let r13 = r13_1 * c1 - c5 * s1;
     let r23 = r13_1 * s1 + c5 * c1;
@@ -409,7 +413,7 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
         [
             c1 * t1 + x4 * s1,
             s1 * t1 - x4 * c1,
-            y4 * s234,
+            ny4 * s234,
             s234 * c1,
             s234 * s1,
             -c234,
@@ -437,34 +441,38 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
     let r11_1 = r11_4 * c234 + s6 * s234;
     let r21_4 = c6 * s5;
     let r11 = r11_1 * c1 + r21_4 * s1;
-    let r12_4 = s6 * c5;
-    let r12_1 = r12_4 * c234 - c6 * s234;
-    let r22_4 = s6 * s5;
-    let r12 = r12_1 * c1 + r22_4 * s1;
+    let nr12_4 = s6 * c5;
+    let nr12_1 = nr12_4 * c234 - c6 * s234;
+    let nr22_4 = s6 * s5;
+    let nr12 = nr12_1 * c1 + nr22_4 * s1;
     let r13_1 = s5 * c234;
     let r13 = r13_1 * c1 - c5 * s1;
     let x4 = D6 * s5;
     let x1_3 = x4 * c234 + D5 * s234;
     let x1_2 = x1_3 + A3 * c23;
     let x1 = x1_2 + A2 * c2;
-    let y4 = D6 * c5;
-    let z1 = y4 - D4;
-    let px = x1 * c1 - z1 * s1;
+    let ny4 = D6 * c5;
+    let nz1 = ny4 - D4;
+    let px = x1 * c1 - nz1 * s1;
     let r21 = r11_1 * s1 - r21_4 * c1;
-    let r22 = r12_1 * s1 - r22_4 * c1;
+    let nr22 = nr12_1 * s1 - nr22_4 * c1;
     let r23 = r13_1 * s1 + c5 * c1;
-    let py = x1 * s1 + z1 * c1;
+    let py = x1 * s1 + nz1 * c1;
     let r21_1 = r11_4 * s234 - s6 * c234;
-    let r22_1 = r12_4 * s234 + c6 * c234;
+    let nr22_1 = nr12_4 * s234 + c6 * c234;
     let r23_1 = s5 * s234;
     let y1_3 = x4 * s234 - D5 * c234;
     let y1_2 = y1_3 + A3 * s23;
     let y1 = y1_2 + A2 * s2;
     let pz = y1 + D1;
-    let t1 = y4 * c234;
+    let t1 = ny4 * c234;
     (
         Frame {
-            rotation: [[r11, -r12, r13], [r21, -r22, r23], [r21_1, -r22_1, r23_1]],
+            rotation: [
+                [r11, -nr12, r13],
+                [r21, -nr22, r23],
+                [r21_1, -nr22_1, r23_1],
+            ],
             translation: [px, py, pz],
         },
         [
@@ -475,7 +483,7 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
             [
                 c1 * t1 + x4 * s1,
                 s1 * t1 - x4 * c1,
-                y4 * s234,
+                ny4 * s234,
                 s234 * c1,
                 s234 * s1,
                 -c234,
@@ -580,15 +588,15 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
         let z0 = pz + D6 - D1;
         let x1 = px * c1 + py * s1 - D5;
 
-        // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2 (squares of row 1 of the position in frame
-        // 1 and row 2 of the position in frame 1)
+        // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2 (squares of rows 1 and 2 of the position
+        // in frame 1)
         for theta3 in search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3) {
             let (s3, c3) = Float::sin_cos(theta3);
             let t1 = A3 * c3 + A2;
             let t2 = A3 * s3;
 
-            // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0 (row 1 of
-            // the position in frame 1 and row 2 of the position in frame 1)
+            // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0 (rows 1 and
+            // 2 of the position in frame 1)
             for theta2 in search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]) {
                 let q = [
                     theta1,
@@ -623,15 +631,15 @@ fn solve_tool_down_elbow_up(target: &Target) -> Result<Solutions<6>, IkError> {
         let z0 = pz + D6 - D1;
         let x1 = px * c1 + py * s1 - D5;
 
-        // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2 (squares of row 1 of the position in frame
-        // 1 and row 2 of the position in frame 1)
+        // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2 (squares of rows 1 and 2 of the position
+        // in frame 1)
         for theta3 in search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3) {
             let (s3, c3) = Float::sin_cos(theta3);
             let t1 = A3 * c3 + A2;
             let t2 = A3 * s3;
 
-            // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0 (row 1 of
-            // the position in frame 1 and row 2 of the position in frame 1)
+            // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0 (rows 1 and
+            // 2 of the position in frame 1)
             for theta2 in search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]) {
                 let q = [
                     theta1,

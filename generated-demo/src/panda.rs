@@ -38,14 +38,14 @@ use ::dh_runtime::{
 )]
 pub struct Panda;
 
-const A4: f64 = 0.0825; // link length of joint 4, table line 40
+const D1: f64 = 0.333; // link offset of joint 1, table line 15
 #[allow(clippy::approx_constant, reason = "as the table has it")]
 const D3: f64 = 0.316; // link offset of joint 3, table line 31
+const A4: f64 = 0.0825; // link length of joint 4, table line 40
 const A5: f64 = -0.0825; // link length of joint 5, table line 49
 const D5: f64 = 0.384; // link offset of joint 5, table line 49
 const A7: f64 = 0.088; // link length of joint 7, table line 67
 const D7: f64 = 0.107; // link offset of joint 7, table line 67
-const D1: f64 = 0.333; // link offset of joint 1, table line 15
 const K1: f64 = 0.229_075_500_000_000_02; // = 2 d3 d5 + 2 a4 a5
 const K2: f64 = -0.1155; // = 2 d3 a5 - 2 a4 d5
 const K3: f64 = 0.147_456; // = d5^2
@@ -222,14 +222,11 @@ impl Panda {
     /// Solved step by step:
     ///
     /// - theta1: `py c1 - px s1 = 0` (row 3 of the position in frame 1)
-    /// - theta7: `c1 c7 + s1 s7 = cyaw; s1 c7 - c1 s7 = syaw` (cosine of the yaw and sine of the
-    ///   yaw)
+    /// - theta7: `c1 c7 + s1 s7 = cyaw; s1 c7 - c1 s7 = syaw` (cosine of the yaw; sine of the yaw)
     /// - theta4: `(2 d3 d5 + 2 a4 a5) c4 + (2 d3 a5 - 2 a4 d5) s4 = z0^2 + x1^2 - d5^2 - a5^2 -
-    ///   a4^2 - d3^2` (squares of row 1 of the position in frame 1 and row 2 of the position in
-    ///   frame 1)
+    ///   a4^2 - d3^2` (squares of rows 1 and 2 of the position in frame 1)
     /// - theta2: `(d5 s4 - a4 - a5 c4) c2 - (d5 c4 + d3 + a5 s4) s2 = -x1; (d5 c4 + d3 + a5 s4) c2
-    ///   + (d5 s4 - a4 - a5 c4) s2 = z0` (row 1 of the position in frame 1 and row 2 of the
-    ///   position in frame 1)
+    ///   + (d5 s4 - a4 - a5 c4) s2 = z0` (rows 1 and 2 of the position in frame 1)
     ///
     /// Besides solving, on each branch: 8 multiplications, 13 additions, 2 sine-cosine pairs.
     ///
@@ -334,13 +331,13 @@ fn forward_kinematics(q: &[f64; 7]) -> Frame {
     let t23 = c5 * t20 - s5 * t21;
     let t24 = s4 * t19 + c4 * c2;
     let t25 = c6 * t23 - s6 * t24;
-    let r31 = s7 * t22 + c7 * t25;
-    let r32 = c7 * t22 - s7 * t25;
-    let r33 = c6 * t24 + s6 * t23;
-    let pz = A4 * t19 - D3 * c2 - D1 + A5 * t20 - D5 * t24 + A7 * t25 + D7 * r33;
+    let nr31 = s7 * t22 + c7 * t25;
+    let nr32 = c7 * t22 - s7 * t25;
+    let nr33 = c6 * t24 + s6 * t23;
+    let npz = A4 * t19 - D3 * c2 - D1 + A5 * t20 - D5 * t24 + A7 * t25 + D7 * nr33;
     Frame {
-        rotation: [[r11, r12, r13], [r21, r22, r23], [-r31, -r32, -r33]],
-        translation: [px, py, -pz],
+        rotation: [[r11, r12, r13], [r21, r22, r23], [-nr31, -nr32, -nr33]],
+        translation: [px, py, -npz],
     }
 }
 
@@ -391,7 +388,7 @@ fn geometric_jacobian(q: &[f64; 7]) -> [[f64; 6]; 7] {
     let t21 = c5 * t15 - s5 * t12;
     let r13 = s6 * t19 + c6 * t16;
     let r23 = s6 * t20 + c6 * t17;
-    let r33 = s6 * t21 + c6 * t18;
+    let nr33 = s6 * t21 + c6 * t18;
     [
         [-py, px, 0.0, 0.0, 0.0, 1.0],
         [-y1 * c1, -y1 * s1, -x1, -s1, c1, 0.0],
@@ -420,7 +417,7 @@ fn geometric_jacobian(q: &[f64; 7]) -> [[f64; 6]; 7] {
             s5 * t14 + c5 * t11,
             -(s5 * t15 + c5 * t12),
         ],
-        [0.0, 0.0, 0.0, r13, r23, -r33],
+        [0.0, 0.0, 0.0, r13, r23, -nr33],
     ]
 }
 
@@ -478,27 +475,27 @@ fn pose_and_jacobian(q: &[f64; 7]) -> (Frame, [[f64; 6]; 7]) {
     let t29 = c5 * t26 - s5 * t27;
     let t30 = s4 * t25 + c4 * c2;
     let t31 = c6 * t29 - s6 * t30;
-    let r31 = s7 * t28 + c7 * t31;
-    let r32 = c7 * t28 - s7 * t31;
-    let r33 = s6 * t29 + c6 * t30;
+    let nr31 = s7 * t28 + c7 * t31;
+    let nr32 = c7 * t28 - s7 * t31;
+    let nr33 = s6 * t29 + c6 * t30;
     let t32 = A4 * t25 - D3 * c2 - D1;
     let t33 = t32 + A5 * t26;
     let t34 = t33 - D5 * t30;
-    let pz = t34 + A7 * t31 + D7 * r33;
-    let t35 = pz + D1;
+    let npz = t34 + A7 * t31 + D7 * nr33;
+    let t35 = npz + D1;
     let t36 = t22 - py;
-    let t37 = t32 - pz;
+    let t37 = t32 - npz;
     let t38 = t10 - px;
-    let t39 = t33 - pz;
+    let t39 = t33 - npz;
     let t40 = t23 - py;
     let t41 = t11 - px;
-    let t42 = t34 - pz;
+    let t42 = t34 - npz;
     let t43 = t24 - py;
     let t44 = t12 - px;
     (
         Frame {
-            rotation: [[r11, r12, r13], [r21, r22, r23], [-r31, -r32, -r33]],
-            translation: [px, py, -pz],
+            rotation: [[r11, r12, r13], [r21, r22, r23], [-nr31, -nr32, -nr33]],
+            translation: [px, py, -npz],
         },
         [
             [-py, px, 0.0, 0.0, 0.0, 1.0],
@@ -535,7 +532,7 @@ fn pose_and_jacobian(q: &[f64; 7]) -> (Frame, [[f64; 6]; 7]) {
                 t18,
                 -t28,
             ],
-            [0.0, 0.0, 0.0, r13, r23, -r33],
+            [0.0, 0.0, 0.0, r13, r23, -nr33],
         ],
     )
 }
@@ -650,23 +647,20 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<7>, IkError> {
     for theta1 in search.trig(THETA1, py, -px, 0.0) {
         let (s1, c1) = Float::sin_cos(theta1);
 
-        // theta7: c1 c7 + s1 s7 = cyaw; s1 c7 - c1 s7 = syaw (cosine of the yaw and sine of the
-        // yaw)
+        // theta7: c1 c7 + s1 s7 = cyaw; s1 c7 - c1 s7 = syaw (cosine of the yaw; sine of the yaw)
         for theta7 in search.trig_pair(THETA7, [c1, s1, cyaw], [s1, -c1, syaw]) {
             let z0 = pz + D7 - D1;
             let x1 = px * c1 + py * s1 - A7;
 
             // theta4: (2 d3 d5 + 2 a4 a5) c4 + (2 d3 a5 - 2 a4 d5) s4 = z0^2 + x1^2 - d5^2 - a5^2 -
-            // a4^2 - d3^2 (squares of row 1 of the position in frame 1 and row 2 of the position in
-            // frame 1)
+            // a4^2 - d3^2 (squares of rows 1 and 2 of the position in frame 1)
             for theta4 in search.trig(THETA4, K1, K2, z0 * z0 + x1 * x1 - K3 - K4 - K5 - K6) {
                 let (s4, c4) = Float::sin_cos(theta4);
                 let t1 = D5 * s4 - A4 - A5 * c4;
                 let t2 = D5 * c4 + D3 + A5 * s4;
 
                 // theta2: (d5 s4 - a4 - a5 c4) c2 - (d5 c4 + d3 + a5 s4) s2 = -x1; (d5 c4 + d3 + a5
-                // s4) c2 + (d5 s4 - a4 - a5 c4) s2 = z0 (row 1 of the position in frame 1 and row 2
-                // of the position in frame 1)
+                // s4) c2 + (d5 s4 - a4 - a5 c4) s2 = z0 (rows 1 and 2 of the position in frame 1)
                 for theta2 in search.trig_pair(THETA2, [t1, -t2, -x1], [t2, t1, z0]) {
                     let q = [theta1, theta2, 0.0, theta4, 0.0, -theta4 + theta2, theta7];
                     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));

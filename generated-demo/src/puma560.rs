@@ -37,18 +37,18 @@ use ::dh_runtime::{
 )]
 pub struct Puma560;
 
-const A3: f64 = 0.0203; // link length of joint 3, table line 23
-#[allow(clippy::approx_constant, reason = "as the table has it")]
-const D4: f64 = 0.4318; // link offset of joint 4, table line 30
+const D1: f64 = 0.672; // link offset of joint 1, table line 12
 #[allow(clippy::approx_constant, reason = "as the table has it")]
 const A2: f64 = 0.4318; // link length of joint 2, table line 18
 const D3: f64 = 0.150_05; // link offset of joint 3, table line 23
-const D1: f64 = 0.672; // link offset of joint 1, table line 12
-const K1: f64 = 0.017_531_08; // = 2 a2 a3
-const K2: f64 = 0.372_902_480_000_000_04; // = 2 a2 d4
+const A3: f64 = 0.0203; // link length of joint 3, table line 23
+#[allow(clippy::approx_constant, reason = "as the table has it")]
+const D4: f64 = 0.4318; // link offset of joint 4, table line 30
+const K1: f64 = 1.344; // = 2 d1
+const K2: f64 = 0.186_451_240_000_000_02; // = a2^2
 const K3: f64 = 0.186_451_240_000_000_02; // = d4^2
 const K4: f64 = 0.000_412_089_999_999_999_94; // = a3^2
-const K5: f64 = 0.186_451_240_000_000_02; // = a2^2
+const K5: f64 = 0.022_515_002_499_999_996; // = d3^2
 const REACH: f64 = 1.687_016_949_183_372_6; // bound on the distance of the tool point
 /// Whole turns of joints that leave every frame where it is (rad).
 const WINDINGS: [Winding<'static>; 6] = [
@@ -192,14 +192,14 @@ impl Puma560 {
     /// Solved step by step:
     ///
     /// - theta1: `py c1 - px s1 = -d3` (row 3 of the position in frame 1)
-    /// - theta6: `c1 c6 + s1 s6 = -cyaw; s1 c6 - c1 s6 = -syaw` (cosine of the yaw and sine of the
+    /// - theta6: `c1 c6 + s1 s6 = -cyaw; s1 c6 - c1 s6 = -syaw` (cosine of the yaw; sine of the
     ///   yaw)
-    /// - theta3: `2 a2 a3 c3 - 2 a2 d4 s3 = z0^2 + x1^2 - d4^2 - a3^2 - a2^2` (squares of row 1 of
-    ///   the position in frame 1 and row 2 of the position in frame 1)
-    /// - theta2: `x1 c2 + z0 s2 = -x2; z0 c2 - x1 s2 = y2` (row 1 of the position in frame 2 and
-    ///   row 2 of the position in frame 2)
+    /// - theta2: `a2 (2 c1 px + 2 s1 py) c2 + a2 (2 pz - 2 d1) s2 = -n2` (squared distance of the
+    ///   position from the origin of frame 2)
+    /// - theta3: `a3 c3 - d4 s3 = x2; d4 c3 + a3 s3 = -y2` (rows 1 and 2 of the position in frame
+    ///   2)
     ///
-    /// Besides solving, on each branch: 8 multiplications, 9 additions, 2 sine-cosine pairs.
+    /// Besides solving, on each branch: 17 multiplications, 15 additions, 2 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -274,34 +274,34 @@ fn forward_kinematics(q: &[f64; 6]) -> Frame {
     let r11_1 = r11_3 * c23 - r21_4 * s23;
     let r21_3 = r11_4 * s4 + s6 * c4;
     let r11 = r11_1 * c1 - r21_3 * s1;
-    let r12_4 = s6 * c5;
-    let r12_3 = r12_4 * c4 + c6 * s4;
-    let r22_4 = s6 * s5;
-    let r12_1 = r12_3 * c23 - r22_4 * s23;
-    let r22_3 = r12_4 * s4 - c6 * c4;
-    let r12 = r12_1 * c1 - r22_3 * s1;
-    let r13_3 = s5 * c4;
-    let r13_1 = r13_3 * c23 + c5 * s23;
-    let r23_3 = s5 * s4;
-    let r13 = r13_1 * c1 - r23_3 * s1;
+    let nr12_4 = s6 * c5;
+    let nr12_3 = nr12_4 * c4 + c6 * s4;
+    let nr22_4 = s6 * s5;
+    let nr12_1 = nr12_3 * c23 - nr22_4 * s23;
+    let nr22_3 = nr12_4 * s4 - c6 * c4;
+    let nr12 = nr12_1 * c1 - nr22_3 * s1;
+    let nr13_3 = s5 * c4;
+    let nr13_1 = nr13_3 * c23 + c5 * s23;
+    let nr23_3 = s5 * s4;
+    let nr13 = nr13_1 * c1 - nr23_3 * s1;
     let x1_2 = A3 * c23 - D4 * s23;
     let x1 = x1_2 + A2 * c2;
     let px = x1 * c1 + D3 * s1;
     let r21 = r11_1 * s1 + r21_3 * c1;
-    let r22 = r12_1 * s1 + r22_3 * c1;
-    let r23 = r13_1 * s1 + r23_3 * c1;
+    let nr22 = nr12_1 * s1 + nr22_3 * c1;
+    let nr23 = nr13_1 * s1 + nr23_3 * c1;
     let py = x1 * s1 - D3 * c1;
     let r21_1 = r11_3 * s23 + r21_4 * c23;
-    let r22_1 = r12_3 * s23 + r22_4 * c23;
-    let r23_1 = r13_3 * s23 - c5 * c23;
+    let nr22_1 = nr12_3 * s23 + nr22_4 * c23;
+    let nr23_1 = nr13_3 * s23 - c5 * c23;
     let y1_2 = A3 * s23 + D4 * c23;
     let y1 = y1_2 + A2 * s2;
     let pz = y1 + D1;
     Frame {
         rotation: [
-            [r11, -r12, -r13],
-            [r21, -r22, -r23],
-            [r21_1, -r22_1, -r23_1],
+            [r11, -nr12, -nr13],
+            [r21, -nr22, -nr23],
+            [r21_1, -nr22_1, -nr23_1],
         ],
         translation: [px, py, pz],
     }
@@ -323,12 +323,12 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
     let y1_2 = A3 * s23 + D4 * c23;
     let y1 = y1_2 + A2 * s2;
     let t1 = s4 * c23;
-    let r13_3 = s5 * c4;
-    let r13_1 = r13_3 * c23 + c5 * s23;
-    let r23_3 = s5 * s4;
-    let r13 = r13_1 * c1 - r23_3 * s1;
-    let r23 = r13_1 * s1 + r23_3 * c1;
-    let r23_1 = r13_3 * s23 - c5 * c23;
+    let nr13_3 = s5 * c4;
+    let nr13_1 = nr13_3 * c23 + c5 * s23;
+    let nr23_3 = s5 * s4;
+    let nr13 = nr13_1 * c1 - nr23_3 * s1;
+    let nr23 = nr13_1 * s1 + nr23_3 * c1;
+    let nr23_1 = nr13_3 * s23 - c5 * c23;
     [
         [-py, px, 0.0, 0.0, 0.0, 1.0],
         [-y1 * c1, -y1 * s1, x1, s1, -c1, 0.0],
@@ -342,7 +342,7 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
             s1 * t1 - c4 * c1,
             s4 * s23,
         ],
-        [0.0, 0.0, 0.0, -r13, -r23, -r23_1],
+        [0.0, 0.0, 0.0, -nr13, -nr23, -nr23_1],
     ]
 }
 
@@ -362,26 +362,26 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
     let r11_1 = r11_3 * c23 - r21_4 * s23;
     let r21_3 = r11_4 * s4 + s6 * c4;
     let r11 = r11_1 * c1 - r21_3 * s1;
-    let r12_4 = s6 * c5;
-    let r12_3 = r12_4 * c4 + c6 * s4;
-    let r22_4 = s6 * s5;
-    let r12_1 = r12_3 * c23 - r22_4 * s23;
-    let r22_3 = r12_4 * s4 - c6 * c4;
-    let r12 = r12_1 * c1 - r22_3 * s1;
-    let r13_3 = s5 * c4;
-    let r13_1 = r13_3 * c23 + c5 * s23;
-    let r23_3 = s5 * s4;
-    let r13 = r13_1 * c1 - r23_3 * s1;
+    let nr12_4 = s6 * c5;
+    let nr12_3 = nr12_4 * c4 + c6 * s4;
+    let nr22_4 = s6 * s5;
+    let nr12_1 = nr12_3 * c23 - nr22_4 * s23;
+    let nr22_3 = nr12_4 * s4 - c6 * c4;
+    let nr12 = nr12_1 * c1 - nr22_3 * s1;
+    let nr13_3 = s5 * c4;
+    let nr13_1 = nr13_3 * c23 + c5 * s23;
+    let nr23_3 = s5 * s4;
+    let nr13 = nr13_1 * c1 - nr23_3 * s1;
     let x1_2 = A3 * c23 - D4 * s23;
     let x1 = x1_2 + A2 * c2;
     let px = x1 * c1 + D3 * s1;
     let r21 = r11_1 * s1 + r21_3 * c1;
-    let r22 = r12_1 * s1 + r22_3 * c1;
-    let r23 = r13_1 * s1 + r23_3 * c1;
+    let nr22 = nr12_1 * s1 + nr22_3 * c1;
+    let nr23 = nr13_1 * s1 + nr23_3 * c1;
     let py = x1 * s1 - D3 * c1;
     let r21_1 = r11_3 * s23 + r21_4 * c23;
-    let r22_1 = r12_3 * s23 + r22_4 * c23;
-    let r23_1 = r13_3 * s23 - c5 * c23;
+    let nr22_1 = nr12_3 * s23 + nr22_4 * c23;
+    let nr23_1 = nr13_3 * s23 - c5 * c23;
     let y1_2 = A3 * s23 + D4 * c23;
     let y1 = y1_2 + A2 * s2;
     let pz = y1 + D1;
@@ -389,9 +389,9 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
     (
         Frame {
             rotation: [
-                [r11, -r12, -r13],
-                [r21, -r22, -r23],
-                [r21_1, -r22_1, -r23_1],
+                [r11, -nr12, -nr13],
+                [r21, -nr22, -nr23],
+                [r21_1, -nr22_1, -nr23_1],
             ],
             translation: [px, py, pz],
         },
@@ -408,7 +408,7 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
                 s1 * t1 - c4 * c1,
                 s4 * s23,
             ],
-            [0.0, 0.0, 0.0, -r13, -r23, -r23_1],
+            [0.0, 0.0, 0.0, -nr13, -nr23, -nr23_1],
         ],
     )
 }
@@ -492,8 +492,8 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA6: Step = Step::new(1, 0b100000, false, Measure::Ratio);
-    const THETA3: Step = Step::new(2, 0b100, false, Measure::Area);
-    const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
+    const THETA2: Step = Step::new(2, 0b10, false, Measure::Area);
+    const THETA3: Step = Step::new(3, 0b100, false, Measure::Length);
 
     let target = target.validate_as(TargetKind::PositionYaw)?;
     let [px, py, pz, cyaw, syaw] = target.numbers().array();
@@ -503,23 +503,29 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
     for theta1 in search.trig(THETA1, py, -px, -D3) {
         let (s1, c1) = Float::sin_cos(theta1);
 
-        // theta6: c1 c6 + s1 s6 = -cyaw; s1 c6 - c1 s6 = -syaw (cosine of the yaw and sine of the
-        // yaw)
+        // theta6: c1 c6 + s1 s6 = -cyaw; s1 c6 - c1 s6 = -syaw (cosine of the yaw; sine of the yaw)
         for theta6 in search.trig_pair(THETA6, [c1, s1, -cyaw], [s1, -c1, -syaw]) {
-            let z0 = pz - D1;
-            let x1 = px * c1 + py * s1;
+            let t1 = 2.0 * pz;
+            let n2 = D1 * (t1 - D1) - (px * px + py * py + pz * pz + K2 - K3 - K4 - K5);
 
-            // theta3: 2 a2 a3 c3 - 2 a2 d4 s3 = z0^2 + x1^2 - d4^2 - a3^2 - a2^2 (squares of row 1
-            // of the position in frame 1 and row 2 of the position in frame 1)
-            for theta3 in search.trig(THETA3, K1, -K2, z0 * z0 + x1 * x1 - K3 - K4 - K5) {
-                let (s3, c3) = Float::sin_cos(theta3);
-                let x2 = D4 * s3 - A2 - A3 * c3;
-                let y2 = D4 * c3 + A3 * s3;
+            // theta2: a2 (2 c1 px + 2 s1 py) c2 + a2 (2 pz - 2 d1) s2 = -n2 (squared distance of
+            // the position from the origin of frame 2)
+            for theta2 in search.trig(
+                THETA2,
+                A2 * (c1 * (2.0 * px) + s1 * (2.0 * py)),
+                A2 * (t1 - K1),
+                -n2,
+            ) {
+                let (s2, c2) = Float::sin_cos(theta2);
+                let t2 = pz - D1;
+                let t3 = px * c1 + py * s1;
+                let x2 = t2 * s2 + (c2 * t3 - A2);
+                let y2 = s2 * t3 - t2 * c2;
 
-                // theta2: x1 c2 + z0 s2 = -x2; z0 c2 - x1 s2 = y2 (row 1 of the position in frame 2
-                // and row 2 of the position in frame 2)
-                for theta2 in search.trig_pair(THETA2, [x1, z0, -x2], [z0, -x1, y2]) {
-                    let q = [theta1, theta2, theta3, 0.0, -theta3 - theta2 - PI, theta6];
+                // theta3: a3 c3 - d4 s3 = x2; d4 c3 + a3 s3 = -y2 (rows 1 and 2 of the position in
+                // frame 2)
+                for theta3 in search.trig_pair(THETA3, [A3, -D4, x2], [D4, A3, -y2]) {
+                    let q = [theta1, theta2, theta3, 0.0, -theta2 - theta3 - PI, theta6];
                     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                     search.accept(q, position_error, rotation_error);
                 }

@@ -37,12 +37,12 @@ use ::dh_runtime::{
 )]
 pub struct UArmSwiftPro;
 
+const D1: f64 = 0.1066; // link offset of joint 1, table line 15
+const A1: f64 = 0.0132; // link length of joint 1, table line 15
+const A2: f64 = 0.142_07; // link length of joint 2, table line 23
 const A3: f64 = 0.158_81; // link length of joint 3, table line 28
 const A4: f64 = 0.056_65; // link length of joint 4, table line 35
-const A2: f64 = 0.142_07; // link length of joint 2, table line 23
-const A1: f64 = 0.0132; // link length of joint 1, table line 15
 const D5: f64 = 0.074_549_999_999_999_99; // link offset of joint 5, table line 42
-const D1: f64 = 0.1066; // link offset of joint 1, table line 15
 const K1: f64 = 0.045_124_273_400_000_005; // = 2 a2 a3
 const K2: f64 = 0.025_220_616_100_000_003; // = a3^2
 const K3: f64 = 0.020_183_884_9; // = a2^2
@@ -184,12 +184,11 @@ impl UArmSwiftPro {
     /// Solved step by step:
     ///
     /// - theta1: `py c1 - px s1 = 0` (row 3 of the position in frame 1)
-    /// - theta5: `c1 c5 + s1 s5 = cyaw; s1 c5 - c1 s5 = syaw` (cosine of the yaw and sine of the
-    ///   yaw)
-    /// - theta3: `2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2` (squares of row 1 of the position in
-    ///   frame 1 and row 2 of the position in frame 1)
-    /// - theta2: `(a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0` (row 1 of the
-    ///   position in frame 1 and row 2 of the position in frame 1)
+    /// - theta5: `c1 c5 + s1 s5 = cyaw; s1 c5 - c1 s5 = syaw` (cosine of the yaw; sine of the yaw)
+    /// - theta3: `2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2` (squares of rows 1 and 2 of the position
+    ///   in frame 1)
+    /// - theta2: `(a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0` (rows 1 and 2
+    ///   of the position in frame 1)
     ///
     /// Besides solving, on each branch: 6 multiplications, 9 additions, 2 sine-cosine pairs.
     ///
@@ -403,21 +402,20 @@ fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
     for theta1 in search.trig(THETA1, py, -px, 0.0) {
         let (s1, c1) = Float::sin_cos(theta1);
 
-        // theta5: c1 c5 + s1 s5 = cyaw; s1 c5 - c1 s5 = syaw (cosine of the yaw and sine of the
-        // yaw)
+        // theta5: c1 c5 + s1 s5 = cyaw; s1 c5 - c1 s5 = syaw (cosine of the yaw; sine of the yaw)
         for theta5 in search.trig_pair(THETA5, [c1, s1, cyaw], [s1, -c1, syaw]) {
             let z0 = pz + D5 - D1;
             let x1 = px * c1 + py * s1 - A4 - A1;
 
-            // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2 (squares of row 1 of the position in
-            // frame 1 and row 2 of the position in frame 1)
+            // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2 (squares of rows 1 and 2 of the
+            // position in frame 1)
             for theta3 in search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3) {
                 let (s3, c3) = Float::sin_cos(theta3);
                 let t1 = A3 * c3 + A2;
                 let t2 = A3 * s3;
 
-                // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0 (row 1
-                // of the position in frame 1 and row 2 of the position in frame 1)
+                // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0 (rows 1
+                // and 2 of the position in frame 1)
                 for theta2 in search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]) {
                     let q = [
                         theta1 + FRAC_PI_2,

@@ -37,13 +37,13 @@ use ::dh_runtime::{
 )]
 pub struct UR5e;
 
-const D6: f64 = 0.0996; // link offset of joint 6, table line 44
-const D5: f64 = 0.0997; // link offset of joint 5, table line 37
+const D1: f64 = 0.1625; // link offset of joint 1, table line 11
+const A2: f64 = -0.425; // link length of joint 2, table line 18
 #[allow(clippy::approx_constant, reason = "as the table has it")]
 const A3: f64 = -0.3922; // link length of joint 3, table line 24
-const A2: f64 = -0.425; // link length of joint 2, table line 18
 const D4: f64 = 0.1333; // link offset of joint 4, table line 30
-const D1: f64 = 0.1625; // link offset of joint 1, table line 11
+const D5: f64 = 0.0997; // link offset of joint 5, table line 37
+const D6: f64 = 0.0996; // link offset of joint 6, table line 44
 const K1: f64 = 0.333_37; // = 2 a2 a3
 const K2: f64 = 0.153_820_84; // = a3^2
 const K3: f64 = 0.180_624_999_999_999_98; // = a2^2
@@ -189,12 +189,11 @@ impl UR5e {
     /// Solved step by step:
     ///
     /// - theta1: `py c1 - px s1 = -d4` (row 3 of the position in frame 1)
-    /// - theta6: `s1 c6 - c1 s6 = -cyaw; c1 c6 + s1 s6 = syaw` (cosine of the yaw and sine of the
-    ///   yaw)
-    /// - theta3: `2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2` (squares of row 1 of the position in
-    ///   frame 1 and row 2 of the position in frame 1)
-    /// - theta2: `(a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0` (row 1 of the
-    ///   position in frame 1 and row 2 of the position in frame 1)
+    /// - theta6: `s1 c6 - c1 s6 = -cyaw; c1 c6 + s1 s6 = syaw` (cosine of the yaw; sine of the yaw)
+    /// - theta3: `2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2` (squares of rows 1 and 2 of the position
+    ///   in frame 1)
+    /// - theta2: `(a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0` (rows 1 and 2
+    ///   of the position in frame 1)
     ///
     /// Besides solving, on each branch: 6 multiplications, 8 additions, 2 sine-cosine pairs.
     ///
@@ -269,37 +268,37 @@ fn forward_kinematics(q: &[f64; 6]) -> Frame {
     let r11_1 = r11_4 * c234 - s6 * s234;
     let r21_4 = c6 * s5;
     let r11 = r11_1 * c1 + r21_4 * s1;
-    let r12_4 = s6 * c5;
-    let r12_1 = r12_4 * c234 + c6 * s234;
-    let r22_4 = s6 * s5;
-    let r12 = r12_1 * c1 + r22_4 * s1;
-    let r13_1 = s5 * c234;
-    let r13 = r13_1 * c1 - c5 * s1;
-    let x4 = D6 * s5;
-    let x1_3 = x4 * c234 - D5 * s234;
-    let x1_2 = x1_3 - A3 * c23;
-    let x1 = x1_2 - A2 * c2;
+    let nr12_4 = s6 * c5;
+    let nr12_1 = nr12_4 * c234 + c6 * s234;
+    let nr22_4 = s6 * s5;
+    let nr12 = nr12_1 * c1 + nr22_4 * s1;
+    let nr13_1 = s5 * c234;
+    let nr13 = nr13_1 * c1 - c5 * s1;
+    let nx4 = D6 * s5;
+    let nx1_3 = nx4 * c234 - D5 * s234;
+    let nx1_2 = nx1_3 - A3 * c23;
+    let nx1 = nx1_2 - A2 * c2;
     let y4 = D6 * c5;
     let z1 = y4 + D4;
-    let px = x1 * c1 - z1 * s1;
+    let npx = nx1 * c1 - z1 * s1;
     let r21 = r11_1 * s1 - r21_4 * c1;
-    let r22 = r12_1 * s1 - r22_4 * c1;
-    let r23 = r13_1 * s1 + c5 * c1;
-    let py = x1 * s1 + z1 * c1;
+    let nr22 = nr12_1 * s1 - nr22_4 * c1;
+    let nr23 = nr13_1 * s1 + c5 * c1;
+    let npy = nx1 * s1 + z1 * c1;
     let r21_1 = r11_4 * s234 + s6 * c234;
-    let r22_1 = r12_4 * s234 - c6 * c234;
-    let r23_1 = s5 * s234;
-    let y1_3 = x4 * s234 + D5 * c234;
-    let y1_2 = y1_3 - A3 * s23;
-    let y1 = y1_2 - A2 * s2;
-    let pz = y1 - D1;
+    let nr22_1 = nr12_4 * s234 - c6 * c234;
+    let nr23_1 = s5 * s234;
+    let ny1_3 = nx4 * s234 + D5 * c234;
+    let ny1_2 = ny1_3 - A3 * s23;
+    let ny1 = ny1_2 - A2 * s2;
+    let npz = ny1 - D1;
     Frame {
         rotation: [
-            [r11, -r12, -r13],
-            [r21, -r22, -r23],
-            [r21_1, -r22_1, -r23_1],
+            [r11, -nr12, -nr13],
+            [r21, -nr22, -nr23],
+            [r21_1, -nr22_1, -nr23_1],
         ],
-        translation: [-px, -py, -pz],
+        translation: [-npx, -npy, -npz],
     }
 }
 
@@ -312,36 +311,36 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
     let (s23, c23) = Float::sin_cos(q[1] + q[2]);
     let (s234, c234) = Float::sin_cos(q[1] + q[2] + q[3]);
     let (s5, c5) = Float::sin_cos(q[4]);
-    let x4 = D6 * s5;
-    let x1_3 = x4 * c234 - D5 * s234;
-    let x1_2 = x1_3 - A3 * c23;
-    let x1 = x1_2 - A2 * c2;
+    let nx4 = D6 * s5;
+    let nx1_3 = nx4 * c234 - D5 * s234;
+    let nx1_2 = nx1_3 - A3 * c23;
+    let nx1 = nx1_2 - A2 * c2;
     let y4 = D6 * c5;
     let z1 = y4 + D4;
-    let py = x1 * s1 + z1 * c1;
-    let px = x1 * c1 - z1 * s1;
-    let y1_3 = x4 * s234 + D5 * c234;
-    let y1_2 = y1_3 - A3 * s23;
-    let y1 = y1_2 - A2 * s2;
+    let npy = nx1 * s1 + z1 * c1;
+    let npx = nx1 * c1 - z1 * s1;
+    let ny1_3 = nx4 * s234 + D5 * c234;
+    let ny1_2 = ny1_3 - A3 * s23;
+    let ny1 = ny1_2 - A2 * s2;
     let t1 = y4 * c234;
-    let r13_1 = s5 * c234;
-    let r13 = r13_1 * c1 - c5 * s1;
-    let r23 = r13_1 * s1 + c5 * c1;
-    let r23_1 = s5 * s234;
+    let nr13_1 = s5 * c234;
+    let nr13 = nr13_1 * c1 - c5 * s1;
+    let nr23 = nr13_1 * s1 + c5 * c1;
+    let nr23_1 = s5 * s234;
     [
-        [py, -px, 0.0, 0.0, 0.0, 1.0],
-        [y1 * c1, y1 * s1, -x1, s1, -c1, 0.0],
-        [y1_2 * c1, y1_2 * s1, -x1_2, s1, -c1, 0.0],
-        [y1_3 * c1, y1_3 * s1, -x1_3, s1, -c1, 0.0],
+        [npy, -npx, 0.0, 0.0, 0.0, 1.0],
+        [ny1 * c1, ny1 * s1, -nx1, s1, -c1, 0.0],
+        [ny1_2 * c1, ny1_2 * s1, -nx1_2, s1, -c1, 0.0],
+        [ny1_3 * c1, ny1_3 * s1, -nx1_3, s1, -c1, 0.0],
         [
-            -(c1 * t1 + x4 * s1),
-            x4 * c1 - s1 * t1,
+            -(c1 * t1 + nx4 * s1),
+            nx4 * c1 - s1 * t1,
             -y4 * s234,
             s234 * c1,
             s234 * s1,
             -c234,
         ],
-        [0.0, 0.0, 0.0, -r13, -r23, -r23_1],
+        [0.0, 0.0, 0.0, -nr13, -nr23, -nr23_1],
     ]
 }
 
@@ -359,54 +358,54 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
     let r11_1 = r11_4 * c234 - s6 * s234;
     let r21_4 = c6 * s5;
     let r11 = r11_1 * c1 + r21_4 * s1;
-    let r12_4 = s6 * c5;
-    let r12_1 = r12_4 * c234 + c6 * s234;
-    let r22_4 = s6 * s5;
-    let r12 = r12_1 * c1 + r22_4 * s1;
-    let r13_1 = s5 * c234;
-    let r13 = r13_1 * c1 - c5 * s1;
-    let x4 = D6 * s5;
-    let x1_3 = x4 * c234 - D5 * s234;
-    let x1_2 = x1_3 - A3 * c23;
-    let x1 = x1_2 - A2 * c2;
+    let nr12_4 = s6 * c5;
+    let nr12_1 = nr12_4 * c234 + c6 * s234;
+    let nr22_4 = s6 * s5;
+    let nr12 = nr12_1 * c1 + nr22_4 * s1;
+    let nr13_1 = s5 * c234;
+    let nr13 = nr13_1 * c1 - c5 * s1;
+    let nx4 = D6 * s5;
+    let nx1_3 = nx4 * c234 - D5 * s234;
+    let nx1_2 = nx1_3 - A3 * c23;
+    let nx1 = nx1_2 - A2 * c2;
     let y4 = D6 * c5;
     let z1 = y4 + D4;
-    let px = x1 * c1 - z1 * s1;
+    let npx = nx1 * c1 - z1 * s1;
     let r21 = r11_1 * s1 - r21_4 * c1;
-    let r22 = r12_1 * s1 - r22_4 * c1;
-    let r23 = r13_1 * s1 + c5 * c1;
-    let py = x1 * s1 + z1 * c1;
+    let nr22 = nr12_1 * s1 - nr22_4 * c1;
+    let nr23 = nr13_1 * s1 + c5 * c1;
+    let npy = nx1 * s1 + z1 * c1;
     let r21_1 = r11_4 * s234 + s6 * c234;
-    let r22_1 = r12_4 * s234 - c6 * c234;
-    let r23_1 = s5 * s234;
-    let y1_3 = x4 * s234 + D5 * c234;
-    let y1_2 = y1_3 - A3 * s23;
-    let y1 = y1_2 - A2 * s2;
-    let pz = y1 - D1;
+    let nr22_1 = nr12_4 * s234 - c6 * c234;
+    let nr23_1 = s5 * s234;
+    let ny1_3 = nx4 * s234 + D5 * c234;
+    let ny1_2 = ny1_3 - A3 * s23;
+    let ny1 = ny1_2 - A2 * s2;
+    let npz = ny1 - D1;
     let t1 = y4 * c234;
     (
         Frame {
             rotation: [
-                [r11, -r12, -r13],
-                [r21, -r22, -r23],
-                [r21_1, -r22_1, -r23_1],
+                [r11, -nr12, -nr13],
+                [r21, -nr22, -nr23],
+                [r21_1, -nr22_1, -nr23_1],
             ],
-            translation: [-px, -py, -pz],
+            translation: [-npx, -npy, -npz],
         },
         [
-            [py, -px, 0.0, 0.0, 0.0, 1.0],
-            [y1 * c1, y1 * s1, -x1, s1, -c1, 0.0],
-            [y1_2 * c1, y1_2 * s1, -x1_2, s1, -c1, 0.0],
-            [y1_3 * c1, y1_3 * s1, -x1_3, s1, -c1, 0.0],
+            [npy, -npx, 0.0, 0.0, 0.0, 1.0],
+            [ny1 * c1, ny1 * s1, -nx1, s1, -c1, 0.0],
+            [ny1_2 * c1, ny1_2 * s1, -nx1_2, s1, -c1, 0.0],
+            [ny1_3 * c1, ny1_3 * s1, -nx1_3, s1, -c1, 0.0],
             [
-                -(c1 * t1 + x4 * s1),
-                x4 * c1 - s1 * t1,
+                -(c1 * t1 + nx4 * s1),
+                nx4 * c1 - s1 * t1,
                 -y4 * s234,
                 s234 * c1,
                 s234 * s1,
                 -c234,
             ],
-            [0.0, 0.0, 0.0, -r13, -r23, -r23_1],
+            [0.0, 0.0, 0.0, -nr13, -nr23, -nr23_1],
         ],
     )
 }
@@ -500,21 +499,20 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
     for theta1 in search.trig(THETA1, py, -px, -D4) {
         let (s1, c1) = Float::sin_cos(theta1);
 
-        // theta6: s1 c6 - c1 s6 = -cyaw; c1 c6 + s1 s6 = syaw (cosine of the yaw and sine of the
-        // yaw)
+        // theta6: s1 c6 - c1 s6 = -cyaw; c1 c6 + s1 s6 = syaw (cosine of the yaw; sine of the yaw)
         for theta6 in search.trig_pair(THETA6, [s1, -c1, -cyaw], [c1, s1, syaw]) {
             let z0 = pz + D6 - D1;
             let x1 = px * c1 + D5 + py * s1;
 
-            // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2 (squares of row 1 of the position in
-            // frame 1 and row 2 of the position in frame 1)
+            // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2 (squares of rows 1 and 2 of the
+            // position in frame 1)
             for theta3 in search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3) {
                 let (s3, c3) = Float::sin_cos(theta3);
                 let t1 = A3 * c3 + A2;
                 let t2 = A3 * s3;
 
-                // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0 (row 1
-                // of the position in frame 1 and row 2 of the position in frame 1)
+                // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0 (rows 1
+                // and 2 of the position in frame 1)
                 for theta2 in search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]) {
                     let q = [
                         theta1,

@@ -39,12 +39,12 @@ use ::dh_runtime::{
 )]
 pub struct VS068;
 
+#[allow(clippy::approx_constant, reason = "as the table has it")]
+const D1: f64 = 0.395; // link offset of joint 1, table line 12
 const A1: f64 = 0.03; // link length of joint 1, table line 12
 const A2: f64 = 0.34; // link length of joint 2, table line 21
 const D4: f64 = 0.34; // link offset of joint 4, table line 35
 const TOOL_Z: f64 = 0.105; // z of [tool]
-#[allow(clippy::approx_constant, reason = "as the table has it")]
-const D1: f64 = 0.395; // link offset of joint 1, table line 12
 const K1: f64 = 0.231_200_000_000_000_04; // = 2 a2 d4
 const K2: f64 = 0.115_600_000_000_000_02; // = d4^2
 const K3: f64 = 0.115_600_000_000_000_02; // = a2^2
@@ -199,12 +199,11 @@ impl VS068 {
     /// Solved step by step:
     ///
     /// - theta1: `py c1 - px s1 = 0` (row 3 of the position in frame 1)
-    /// - theta6: `s1 c6 - c1 s6 = -cyaw; c1 c6 + s1 s6 = syaw` (cosine of the yaw and sine of the
-    ///   yaw)
-    /// - theta3: `2 a2 d4 s3 = z0^2 + x1^2 - d4^2 - a2^2` (squares of row 1 of the position in
-    ///   frame 1 and row 2 of the position in frame 1)
-    /// - theta2: `(d4 s3 + a2) c2 + d4 c3 s2 = x1; d4 c3 c2 - (d4 s3 + a2) s2 = z0` (row 1 of the
-    ///   position in frame 1 and row 2 of the position in frame 1)
+    /// - theta6: `s1 c6 - c1 s6 = -cyaw; c1 c6 + s1 s6 = syaw` (cosine of the yaw; sine of the yaw)
+    /// - theta3: `2 a2 d4 s3 = z0^2 + x1^2 - d4^2 - a2^2` (squares of rows 1 and 2 of the position
+    ///   in frame 1)
+    /// - theta2: `(d4 s3 + a2) c2 + d4 c3 s2 = x1; d4 c3 c2 - (d4 s3 + a2) s2 = z0` (rows 1 and 2
+    ///   of the position in frame 1)
     ///
     /// Besides solving, on each branch: 6 multiplications, 8 additions, 2 sine-cosine pairs.
     ///
@@ -282,7 +281,7 @@ fn forward_kinematics(q: &[f64; 6]) -> Frame {
     let t3 = c4 * t1 - s4 * s1;
     let t4 = s23 * c1;
     let t5 = c5 * t3 - s5 * t4;
-    let r11 = c6 * t2 + s6 * t5;
+    let nr11 = c6 * t2 + s6 * t5;
     let r12 = s6 * t2 - c6 * t5;
     let r13 = c5 * t4 + s5 * t3;
     let t6 = A2 * c2;
@@ -292,7 +291,7 @@ fn forward_kinematics(q: &[f64; 6]) -> Frame {
     let t9 = c4 * t7 + s4 * c1;
     let t10 = s23 * s1;
     let t11 = c5 * t9 - s5 * t10;
-    let r21 = c6 * t8 + s6 * t11;
+    let nr21 = c6 * t8 + s6 * t11;
     let r22 = s6 * t8 - c6 * t11;
     let r23 = c5 * t10 + s5 * t9;
     let py = A1 * s1 + t6 * s1 + D4 * t10 + TOOL_Z * r23;
@@ -300,12 +299,12 @@ fn forward_kinematics(q: &[f64; 6]) -> Frame {
     let t13 = c4 * s23;
     let t14 = c5 * t13 + s5 * c23;
     let r31 = c6 * t12 + s6 * t14;
-    let r32 = s6 * t12 - c6 * t14;
+    let nr32 = s6 * t12 - c6 * t14;
     let r33 = c5 * c23 - s5 * t13;
-    let pz = A2 * s2 - D1 - D4 * c23 - TOOL_Z * r33;
+    let npz = A2 * s2 - D1 - D4 * c23 - TOOL_Z * r33;
     Frame {
-        rotation: [[-r11, r12, r13], [-r21, r22, r23], [r31, -r32, r33]],
-        translation: [px, py, -pz],
+        rotation: [[-nr11, r12, r13], [-nr21, r22, r23], [r31, -nr32, r33]],
+        translation: [px, py, -npz],
     }
 }
 
@@ -327,12 +326,12 @@ fn flange_pose(q: &[f64; 6]) -> Frame {
     let r11_1 = r11_3 * c23 - r21_4 * s23;
     let r21_3 = r11_4 * s4 + s6 * c4;
     let r11 = r11_1 * c1 - r21_3 * s1;
-    let r12_4 = s6 * c5;
-    let r12_3 = r12_4 * c4 + c6 * s4;
-    let r22_4 = s6 * s5;
-    let r12_1 = r12_3 * c23 - r22_4 * s23;
-    let r22_3 = r12_4 * s4 - c6 * c4;
-    let r12 = r12_1 * c1 - r22_3 * s1;
+    let nr12_4 = s6 * c5;
+    let nr12_3 = nr12_4 * c4 + c6 * s4;
+    let nr22_4 = s6 * s5;
+    let nr12_1 = nr12_3 * c23 - nr22_4 * s23;
+    let nr22_3 = nr12_4 * s4 - c6 * c4;
+    let nr12 = nr12_1 * c1 - nr22_3 * s1;
     let r13_3 = s5 * c4;
     let r13_1 = r13_3 * c23 + c5 * s23;
     let r23_3 = s5 * s4;
@@ -342,17 +341,21 @@ fn flange_pose(q: &[f64; 6]) -> Frame {
     let t1 = x1 + A1;
     let px = t1 * c1;
     let r21 = r11_1 * s1 + r21_3 * c1;
-    let r22 = r12_1 * s1 + r22_3 * c1;
+    let nr22 = nr12_1 * s1 + nr22_3 * c1;
     let r23 = r13_1 * s1 + r23_3 * c1;
     let py = t1 * s1;
     let r21_1 = r11_3 * s23 + r21_4 * c23;
-    let r22_1 = r12_3 * s23 + r22_4 * c23;
+    let nr22_1 = nr12_3 * s23 + nr22_4 * c23;
     let r23_1 = r13_3 * s23 - c5 * c23;
-    let y1_2 = D4 * c23;
-    let y1 = y1_2 - A2 * s2;
-    let pz = y1 + D1;
+    let ny1_2 = D4 * c23;
+    let ny1 = ny1_2 - A2 * s2;
+    let pz = ny1 + D1;
     Frame {
-        rotation: [[r11, -r12, r13], [r21, -r22, r23], [-r21_1, r22_1, -r23_1]],
+        rotation: [
+            [r11, -nr12, r13],
+            [r21, -nr22, r23],
+            [-r21_1, nr22_1, -r23_1],
+        ],
         translation: [px, py, pz],
     }
 }
@@ -370,8 +373,8 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
     let (s5, c5) = Float::sin_cos(q[4]);
     let x4 = TOOL_Z * s5;
     let x3 = x4 * c4;
-    let y4 = TOOL_Z * c5;
-    let z3 = y4 + D4;
+    let ny4 = TOOL_Z * c5;
+    let z3 = ny4 + D4;
     let x1_2 = x3 * c23 + z3 * s23;
     let x1 = x1_2 + A2 * c2;
     let t1 = x1 + A1;
@@ -403,9 +406,9 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
             c23,
         ],
         [
-            y4 * t6 - x4 * t4,
-            y4 * t7 - x4 * t5,
-            -(x4 * c23 + y4 * t8),
+            ny4 * t6 - x4 * t4,
+            ny4 * t7 - x4 * t5,
+            -(x4 * c23 + ny4 * t8),
             -(s4 * t2 + c4 * s1),
             c4 * c1 - s4 * t3,
             s4 * s23,
@@ -431,7 +434,7 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
     let t3 = c4 * t1 - s4 * s1;
     let t4 = s23 * c1;
     let t5 = c5 * t3 - s5 * t4;
-    let r11 = c6 * t2 + s6 * t5;
+    let nr11 = c6 * t2 + s6 * t5;
     let r12 = s6 * t2 - c6 * t5;
     let r13 = s5 * t3 + c5 * t4;
     let t6 = A1 * c1;
@@ -443,7 +446,7 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
     let t11 = c4 * t9 + s4 * c1;
     let t12 = s23 * s1;
     let t13 = c5 * t11 - s5 * t12;
-    let r21 = c6 * t10 + s6 * t13;
+    let nr21 = c6 * t10 + s6 * t13;
     let r22 = s6 * t10 - c6 * t13;
     let r23 = s5 * t11 + c5 * t12;
     let t14 = A1 * s1;
@@ -453,20 +456,20 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
     let t17 = c4 * s23;
     let t18 = c5 * t17 + s5 * c23;
     let r31 = c6 * t16 + s6 * t18;
-    let r32 = s6 * t16 - c6 * t18;
+    let nr32 = s6 * t16 - c6 * t18;
     let r33 = c5 * c23 - s5 * t17;
     let t19 = A2 * s2 - D1;
-    let pz = t19 - D4 * c23 - TOOL_Z * r33;
-    let t20 = pz + D1;
-    let t21 = t19 - pz;
+    let npz = t19 - D4 * c23 - TOOL_Z * r33;
+    let t20 = npz + D1;
+    let t21 = t19 - npz;
     let t22 = t15 - py;
     let t23 = t8 - px;
-    let y4 = TOOL_Z * c5;
+    let ny4 = TOOL_Z * c5;
     let x4 = TOOL_Z * s5;
     (
         Frame {
-            rotation: [[-r11, r12, r13], [-r21, r22, r23], [r31, -r32, r33]],
-            translation: [px, py, -pz],
+            rotation: [[-nr11, r12, r13], [-nr21, r22, r23], [r31, -nr32, r33]],
+            translation: [px, py, -npz],
         },
         [
             [-py, px, 0.0, 0.0, 0.0, 1.0],
@@ -488,9 +491,9 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
                 c23,
             ],
             [
-                y4 * t3 - x4 * t4,
-                y4 * t11 - x4 * t12,
-                -(x4 * c23 + y4 * t17),
+                ny4 * t3 - x4 * t4,
+                ny4 * t11 - x4 * t12,
+                -(x4 * c23 + ny4 * t17),
                 -t2,
                 -t10,
                 t16,
@@ -593,21 +596,20 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
     for theta1 in search.trig(THETA1, py, -px, 0.0) {
         let (s1, c1) = Float::sin_cos(theta1);
 
-        // theta6: s1 c6 - c1 s6 = -cyaw; c1 c6 + s1 s6 = syaw (cosine of the yaw and sine of the
-        // yaw)
+        // theta6: s1 c6 - c1 s6 = -cyaw; c1 c6 + s1 s6 = syaw (cosine of the yaw; sine of the yaw)
         for theta6 in search.trig_pair(THETA6, [s1, -c1, -cyaw], [c1, s1, syaw]) {
             let z0 = pz + TOOL_Z - D1;
             let x1 = px * c1 + py * s1 - A1;
 
-            // theta3: 2 a2 d4 s3 = z0^2 + x1^2 - d4^2 - a2^2 (squares of row 1 of the position in
-            // frame 1 and row 2 of the position in frame 1)
+            // theta3: 2 a2 d4 s3 = z0^2 + x1^2 - d4^2 - a2^2 (squares of rows 1 and 2 of the
+            // position in frame 1)
             for theta3 in search.trig(THETA3, 0.0, K1, z0 * z0 + x1 * x1 - K2 - K3) {
                 let (s3, c3) = Float::sin_cos(theta3);
                 let t1 = D4 * s3 + A2;
                 let t2 = D4 * c3;
 
-                // theta2: (d4 s3 + a2) c2 + d4 c3 s2 = x1; d4 c3 c2 - (d4 s3 + a2) s2 = z0 (row 1
-                // of the position in frame 1 and row 2 of the position in frame 1)
+                // theta2: (d4 s3 + a2) c2 + d4 c3 s2 = x1; d4 c3 c2 - (d4 s3 + a2) s2 = z0 (rows 1
+                // and 2 of the position in frame 1)
                 for theta2 in search.trig_pair(THETA2, [t1, t2, x1], [t2, -t1, z0]) {
                     let q = [
                         theta1 + FRAC_PI_2,

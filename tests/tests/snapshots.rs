@@ -21,7 +21,7 @@ fn shipped() -> impl Iterator<Item = (&'static str, Source, Output)> {
             path: None,
             text: dh_robots::table(name).unwrap().to_owned(),
         };
-        let output = compile(&source.text, Level::Quick).output.unwrap();
+        let output = compile(&source.text, Level::Full).output.unwrap();
         (name, source, output)
     })
 }
