@@ -1,7 +1,7 @@
 //! The object-safe view: `impl Kinematics`.
 
 use super::Printer;
-use super::inverse::private_name;
+use super::inverse::{free_count, private_name};
 use super::text::Text;
 use crate::plan::FunctionKind;
 
@@ -105,7 +105,15 @@ impl Printer<'_> {
             for (_, problem) in self.inverse_functions() {
                 let name = problem
                     .map_or_else(|| self.paths.runtime("FULL_POSE"), |problem| format!("{:?}", problem.name));
-                text.line(format!("{name} => {}(target)?,", private_name(problem)));
+                let solve = private_name(problem);
+                match free_count(problem) {
+                    None => text.line(format!("{name} => {solve}(target)?,")),
+                    // The trait has no place for the values of free joints.
+                    Some(_) => {
+                        let none = format!("{}(&[])?", self.paths.runtime("joint_array"));
+                        text.line(format!("{name} => {solve}(target, {none})?,"));
+                    }
+                }
             }
             text.line(format!("_ => return {err}({unknown}),"));
             text.close("};");
