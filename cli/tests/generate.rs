@@ -1,5 +1,7 @@
 //! `dhc generate`, and what it leaves on disk.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "an answer that cannot be read is a failure")]
+
 mod common;
 
 use common::{dhc, file};

@@ -1,5 +1,7 @@
 //! Bad input: status, place and remedy on stderr, nothing on stdout.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "an answer that cannot be read is a failure")]
+
 mod common;
 
 use common::{dhc, dhc_reading, file};
