@@ -6,6 +6,8 @@ mod verified;
 
 use crate::failure::{Failure, Status};
 use crate::robot::Robot;
+use crate::text::{clean, columns};
+use crate::units::fixed;
 use dh_codegen::plan::{Counts, FunctionKind};
 use dh_codegen::verify::Level;
 use std::io::Write;
@@ -49,16 +51,16 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
 /// All that is said about one robot.
 fn report(robot: &Robot) -> String {
     let (model, units) = (robot.model(), robot.units());
-    let name = crate::text::clean(&model.name);
-    let mut text = format!("{name} ({})\n", robot.source.name_shown);
-    let mut field = |name: &str, value: &str| text += &format!("  {name:<15}{value}\n");
-    field("joints", &class::joints(model));
-    field("parallel axes", &class::parallel(model));
-    let reach =
-        crate::units::fixed(units.length(model.reach()), if units.length_name() == "m" { 4 } else { 1 });
-    field("reach", &format!("{reach} {}, or less", units.length_name()));
-    field("pose", &operations(robot, &FunctionKind::Fk));
-    field("and Jacobian", &operations(robot, &FunctionKind::FkJacobian));
+    let reach = fixed(units.length(model.reach()), if units.length_name() == "m" { 4 } else { 1 });
+    let fields = [
+        ["joints", &class::joints(model)],
+        ["parallel axes", &class::parallel(model)],
+        ["reach", &format!("{reach} {}, or less", units.length_name())],
+        ["pose", &operations(robot, &FunctionKind::Fk)],
+        ["and Jacobian", &operations(robot, &FunctionKind::FkJacobian)],
+    ];
+    let mut text = format!("{} ({})\n", clean(&model.name), robot.source.name_shown);
+    text += &columns("  ", &fields.map(|field| field.map(str::to_owned)));
     text += &problems::written(robot);
     text += &verified::written(robot);
     text
@@ -71,5 +73,15 @@ fn operations(robot: &Robot, kind: &FunctionKind) -> String {
         return "left out".to_owned();
     };
     let Counts { mul, add, sincos, angle_add } = function.counts;
-    format!("{mul} multiplications, {add} additions, {sincos} sincos, {angle_add} additions of angles")
+    let plural = |count: usize, noun: &str| format!("{count} {noun}{}", if count == 1 { "" } else { "s" });
+    let arguments = match angle_add {
+        0 => String::new(),
+        adds => format!(" (and {} in their arguments)", plural(adds, "addition")),
+    };
+    format!(
+        "{}, {}, {}{arguments}",
+        plural(mul, "multiplication"),
+        plural(add, "addition"),
+        plural(sincos, "sine-cosine pair")
+    )
 }

@@ -48,9 +48,9 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
         writeln!(out, "{answer}")?;
     } else if violations.is_empty() {
         writeln!(out, "allowed: no limit and no rule is broken")?;
-    }
-    if !arguments.json {
-        violations.iter().for_each(|violation| complain(&violation.to_string()));
+    } else {
+        let lines: Vec<String> = violations.iter().map(Refusal::to_string).collect();
+        complain(&lines.join("\n"));
     }
     Ok(status)
 }

@@ -2,7 +2,7 @@
 
 use crate::failure::{Failure, Refusal, Status};
 use dh_codegen::diagnostic::{catalogue, nearest};
-use std::io::Write;
+use std::io::{self, Write};
 
 /// What the code of a diagnostic means; without a code, all of them.
 #[derive(Debug, clap::Args)]
@@ -24,7 +24,8 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
     let Some(code) = &arguments.code else {
         for (place, (code, text)) in catalogue::CATALOGUE.iter().enumerate() {
             let gap = if place == 0 { "" } else { "\n" };
-            write!(out, "{gap}{code}\n{}", filled(text, "    "))?;
+            writeln!(out, "{gap}{code}")?;
+            fill(text, "    ", out)?;
         }
         return Ok(Status::Done);
     };
@@ -32,7 +33,7 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
     let bare = code.split_once('[').map_or(code.as_str(), |(_, rest)| rest.trim_end_matches(']'));
     match catalogue::explain(bare) {
         Some(text) => {
-            write!(out, "{}", filled(text, ""))?;
+            fill(text, "", out)?;
             Ok(Status::Done)
         }
         None => Err(unknown(bare).into()),
@@ -48,12 +49,12 @@ fn unknown(code: &str) -> Refusal {
     })
 }
 
-/// The text in lines.
-fn filled(text: &str, indent: &str) -> String {
-    let (mut lines, mut line) = (String::new(), String::new());
+/// Writes a text in lines.
+fn fill(text: &str, indent: &str, out: &mut dyn Write) -> io::Result<()> {
+    let mut line = String::new();
     for word in text.split(' ') {
         if !line.is_empty() && indent.len() + line.len() + 1 + word.len() > WIDTH {
-            lines += &format!("{indent}{line}\n");
+            writeln!(out, "{indent}{line}")?;
             line.clear();
         }
         if !line.is_empty() {
@@ -61,5 +62,5 @@ fn filled(text: &str, indent: &str) -> String {
         }
         line += word;
     }
-    lines + &format!("{indent}{line}\n")
+    writeln!(out, "{indent}{line}")
 }

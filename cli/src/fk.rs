@@ -5,12 +5,13 @@ use crate::json::Json;
 use crate::list::List;
 use crate::robot::Robot;
 use crate::stream::{self, malformed};
+use crate::text::exact;
 use crate::units::{Units, fixed};
 use dh_codegen::plan::FunctionKind;
 use dh_codegen::plan::eval::{Event, Interpreter};
 use dh_codegen::verify::Level;
 use dh_core::{Frame, Kinematics};
-use std::io::Write;
+use std::io::{self, Write};
 
 /// The pose of the tool at given joint values.
 #[derive(Debug, clap::Args)]
@@ -64,9 +65,9 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
         return Ok(Status::Done);
     }
     if arguments.trace {
-        write!(out, "{}", trace(&robot, &q, &steps))?;
+        write!(out, "{}", trace(&robot, joints, &steps))?;
     }
-    write!(out, "{}", written(units, &pose))?;
+    write_pose(units, &pose, out)?;
     Ok(Status::Done)
 }
 
@@ -79,8 +80,8 @@ fn answer(arm: &Interpreter<'_>, units: Units<'_>, line: &[u8]) -> Result<Json, 
     Ok(units.pose(&pose))
 }
 
-/// The named steps in order, with the joint values before them; lengths in the table's unit.
-fn trace(robot: &Robot, q: &[f64], steps: &[(String, f64)]) -> String {
+/// The named steps in order, with the joint values as they were given before them; lengths in the table's unit.
+fn trace(robot: &Robot, joints: &[f64], steps: &[(String, f64)]) -> String {
     let (units, plan) = (robot.units(), &robot.output.plan);
     let function = plan.functions.iter().find(|function| function.kind == FunctionKind::Fk);
     let dimensions = function.map(|function| function.dimensions(robot.model(), &plan.constants));
@@ -90,8 +91,8 @@ fn trace(robot: &Robot, q: &[f64], steps: &[(String, f64)]) -> String {
     };
     let inputs = function.into_iter().flat_map(|function| function.values.iter().take(function.inputs));
     let mut lines: Vec<(String, f64, &str)> = Vec::new();
-    for ((index, name), value) in inputs.enumerate().zip(units.joints(q)) {
-        lines.push((name.clone(), value, units.name(units.joint(index).0)));
+    for ((index, name), value) in inputs.enumerate().zip(joints) {
+        lines.push((name.clone(), *value, units.name(units.joint(index).0)));
     }
     for (name, value) in steps {
         let power = dimension(name).unwrap_or(0);
@@ -101,28 +102,24 @@ fn trace(robot: &Robot, q: &[f64], steps: &[(String, f64)]) -> String {
     let width = lines.iter().map(|(name, ..)| name.len()).max().unwrap_or(0);
     let mut text = String::new();
     for (name, value, unit) in lines {
-        text += format!("{name:width$} = {} {unit}", value + 0.0).trim_end();
+        text += format!("{name:width$} = {} {unit}", exact(value)).trim_end();
         text.push('\n');
     }
     text.push('\n');
     text
 }
 
-/// The pose for people.
-fn written(units: Units<'_>, pose: &Frame) -> String {
+/// Writes the pose for people.
+fn write_pose(units: Units<'_>, pose: &Frame, out: &mut dyn Write) -> io::Result<()> {
     let position = units.point(pose.translation).map(|x| units.show_length(x));
-    let columns: Vec<[String; 4]> = pose
-        .rotation
-        .iter()
-        .zip(&position)
-        .map(|([x, y, z], p)| [fixed(*x, 9), fixed(*y, 9), fixed(*z, 9), p.clone()])
-        .collect();
-    let width = columns.iter().map(|[.., p]| p.len()).max().unwrap_or(0);
-    let mut text = format!("position    {} {}\n", position.join("  "), units.length_name());
-    text += &format!("quaternion  {} (x y z w)\n", pose.quaternion().map(|x| fixed(x, 9)).join("  "));
-    for (place, [x, y, z, p]) in columns.iter().enumerate() {
+    let quaternion = pose.quaternion().map(|x| fixed(x, 9));
+    writeln!(out, "position    {} {}", position.join("  "), units.length_name())?;
+    writeln!(out, "quaternion  {} (x y z w)", quaternion.join("  "))?;
+    let width = position.iter().map(String::len).max().unwrap_or(0);
+    for (place, (row, p)) in pose.rotation.iter().zip(&position).enumerate() {
+        let [x, y, z] = row.map(|x| fixed(x, 9));
         let title = if place == 0 { "matrix" } else { "" };
-        text += &format!("{title:10}{x:>14}{y:>14}{z:>14}  {p:>width$}\n");
+        writeln!(out, "{title:10}{x:>14}{y:>14}{z:>14}  {p:>width$}")?;
     }
-    text
+    Ok(())
 }

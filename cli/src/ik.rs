@@ -10,12 +10,13 @@ use crate::json::Json;
 use crate::list::List;
 use crate::robot::Robot;
 use crate::stream;
+use crate::text::{clean, small};
 use crate::units::Units;
 use dh_codegen::model::JointKind;
 use dh_codegen::verify::Level;
 use dh_core::FULL_POSE;
 use solve::{Answer, Question};
-use std::io::Write;
+use std::io::{self, Write};
 
 /// Joint values that bring the tool to a target.
 ///
@@ -23,6 +24,7 @@ use std::io::Write;
 /// the limits), the nearest first. With --all they are all that the geometry has, joints within half a turn of 0.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = EXAMPLES)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a flag")]
 pub(crate) struct Arguments {
     /// A table file, or the name of a shipped table.
     table: String,
@@ -86,7 +88,8 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
         let (steps, outcome) = question.trace(&target);
         return match outcome {
             Ok(answers) => {
-                write!(out, "{steps}\n{}", listing(&question, units, &answers))?;
+                writeln!(out, "{steps}")?;
+                list(&question, &answers, out)?;
                 Ok(Status::Done)
             }
             Err(error) => {
@@ -98,7 +101,7 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
     }
     match question.solve(&target) {
         Ok(answers) if arguments.json => writeln!(out, "{}", json(units, &answers))?,
-        Ok(answers) => write!(out, "{}", listing(&question, units, &answers))?,
+        Ok(answers) => list(&question, &answers, out)?,
         Err(error) => return failed(arguments, out, question.refusal(&error)),
     }
     Ok(Status::Done)
@@ -150,31 +153,32 @@ fn nothing(refusal: &Refusal) -> Json {
     Json::Object(vec![("solutions", Json::List(Vec::new())), ("error", refusal.json())])
 }
 
-/// Solutions for people.
-fn listing(question: &Question<'_>, units: Units<'_>, answers: &[Answer]) -> String {
+/// Writes solutions for people.
+fn list(question: &Question<'_>, answers: &[Answer], out: &mut dyn Write) -> io::Result<()> {
+    let units = question.units();
     let count = answers.len();
+    let plural = if count == 1 { "" } else { "s" };
     let what = if question.all() { "in all" } else { "within limits and rules, the nearest first" };
-    let mut text =
-        format!("{}: {count} solution{} {what}\n\n", question.name(), if count == 1 { "" } else { "s" });
-    text += "  ";
+    writeln!(out, "{}: {count} solution{plural} {what}\n", question.name())?;
     let joints: Vec<(JointKind, &str)> = (0..question.dof()).map(|index| units.joint(index)).collect();
+    write!(out, "  ")?;
     for (kind, name) in &joints {
-        text += &format!("{:>15}", format!("{name} ({})", units.name(*kind)));
+        write!(out, "{:>15}", format!("{} ({})", clean(name), units.name(*kind)))?;
     }
-    text += "   errors (m, rad)\n";
+    writeln!(out, "   errors (m, rad)")?;
     for (place, answer) in answers.iter().enumerate() {
-        text += &format!("{:2}", place + 1);
+        write!(out, "{:2}", place + 1)?;
         for ((kind, _), value) in joints.iter().zip(units.joints(&answer.q)) {
-            text += &format!("{:>15}", units.show(*kind, value));
+            write!(out, "{:>15}", units.show(*kind, value))?;
         }
-        text += &format!("   {:.1e}, {:.1e}", answer.position_error, answer.rotation_error);
+        write!(out, "   {}, {}", small(answer.position_error), small(answer.rotation_error))?;
         if !answer.within_limits {
-            text += "  breaks limits or rules";
+            write!(out, "  breaks limits or rules")?;
         }
         if let Some(row) = answer.free {
-            text += &format!("  row {} is free: one of its values", row + 1);
+            write!(out, "  row {} is free: one of its values", row + 1)?;
         }
-        text.push('\n');
+        writeln!(out)?;
     }
-    text
+    Ok(())
 }

@@ -22,3 +22,16 @@ pub(crate) fn columns<const N: usize>(indent: &str, rows: &[[String; N]]) -> Str
     }
     text
 }
+
+/// The size of an error.
+pub(crate) fn small(value: f64) -> String {
+    if value == 0.0 { "0".to_owned() } else { format!("{value:.1e}") }
+}
+
+/// All digits of a number, and an exponent where it is far from 1.
+pub(crate) fn exact(value: f64) -> String {
+    // Adding 0 makes a positive zero of a negative one.
+    let value = value + 0.0;
+    let far = value != 0.0 && !(1e-5..1e16).contains(&value.abs());
+    if far { format!("{value:e}") } else { format!("{value}") }
+}

@@ -2,6 +2,7 @@
 
 use crate::robot::Robot;
 use crate::text::{clean, columns};
+use dh_codegen::model::Target;
 use dh_codegen::plan::{Equation, Function, FunctionKind, Step};
 use dh_core::FULL_POSE;
 
@@ -15,7 +16,10 @@ pub(super) fn written(robot: &Robot) -> String {
 fn problem(robot: &Robot, index: Option<usize>, name: &str) -> String {
     let kind = FunctionKind::Inverse(index);
     let function = robot.output.plan.functions.iter().find(|function| function.kind == kind);
-    let title = format!("\n  inverse problem {name}");
+    let title = match robot.model().problems.get(index.unwrap_or(usize::MAX)) {
+        Some(problem) => format!("\n  inverse problem {name} ({})", target(problem.target)),
+        None => format!("\n  inverse problem {name}"),
+    };
     let Some(function) = function else {
         return format!("{title}\n    {}\n", reason(robot, index));
     };
@@ -34,6 +38,22 @@ fn problem(robot: &Robot, index: Option<usize>, name: &str) -> String {
         })
         .collect();
     format!("{title}: up to {} solutions\n{}", branches(function), columns("    ", &rows))
+}
+
+/// A target as tables call it.
+fn target(target: Target) -> &'static str {
+    match target {
+        Target::Pose => "pose",
+        Target::Position => "position",
+        Target::PositionDirection => "position_direction",
+        Target::PositionYaw => "position_yaw",
+        Target::Rotation => "rotation",
+        Target::Direction => "direction",
+        Target::Ray => "ray",
+        Target::Lookat => "lookat",
+        Target::Xy => "xy",
+        Target::XyYaw => "xy_yaw",
+    }
 }
 
 /// Why a problem has no function.

@@ -1,7 +1,7 @@
 //! What was verified, and with which figures.
 
 use crate::robot::Robot;
-use crate::text::{clean, columns};
+use crate::text::{clean, columns, small};
 use dh_codegen::verify::{FunctionReport, InverseReport};
 
 /// A line a function.
@@ -13,7 +13,7 @@ pub(super) fn written(robot: &Robot) -> String {
 }
 
 fn row(function: &FunctionReport) -> [String; 4] {
-    let errors = format!("{:.1e} m, {:.1e} rad", function.position_error, function.rotation_error);
+    let errors = format!("{} m, {} rad", small(function.position_error), small(function.rotation_error));
     let findings = match (&function.failure, &function.inverse) {
         (Some(failure), _) => format!("LEFT OUT: {}", clean(failure)),
         (None, Some(inverse)) => solutions(inverse),
@@ -27,8 +27,6 @@ fn solutions(inverse: &InverseReport) -> String {
     let counts = inverse.solutions.iter().enumerate().filter(|(_, poses)| **poses > 0);
     let counts: Vec<String> = counts.map(|(solutions, poses)| format!("{solutions} at {poses}")).collect();
     let InverseReport { originals, originals_found, singular, .. } = inverse;
-    format!(
-        "found {originals_found} of {originals} poses again ({singular} more were singular); solutions: {}",
-        counts.join(", ")
-    )
+    let singular = if *singular == 0 { String::new() } else { format!(" ({singular} more were singular)") };
+    format!("found {originals_found} of {originals} poses again{singular}; solutions: {}", counts.join(", "))
 }

@@ -1,6 +1,7 @@
 //! The steps of an inverse problem as they are taken.
 
 use crate::robot::Robot;
+use crate::text::{exact, small};
 use crate::units::Units;
 use dh_codegen::plan::Function;
 use dh_codegen::plan::eval::Event;
@@ -45,17 +46,18 @@ impl<'a> Trace<'a> {
                 } else {
                     (self.units.angle(value), self.units.angle_name())
                 };
-                self.line(&format!("{name} = {} {unit}", value + 0.0));
+                self.line(&format!("{name} = {} {unit}", exact(value)));
                 self.depth = stage + 1;
             }
             Event::Done { stage } => self.depth = stage,
             Event::Candidate { q, position_error, rotation_error, kept } => {
-                let q: Vec<String> =
-                    self.units.joints(q).iter().map(|value| format!("{}", value + 0.0)).collect();
+                let q: Vec<String> = self.units.joints(q).into_iter().map(exact).collect();
                 let verdict = if kept { "kept" } else { "dropped" };
                 self.line(&format!(
-                    "q = {}: {verdict}, errors {position_error:.1e} m, {rotation_error:.1e} rad",
-                    q.join(", ")
+                    "q = {}: {verdict}, errors {} m, {} rad",
+                    q.join(", "),
+                    small(position_error),
+                    small(rotation_error)
                 ));
             }
             _ => {}
@@ -68,7 +70,9 @@ impl<'a> Trace<'a> {
     }
 
     fn line(&mut self, line: &str) {
-        self.text += &format!("{:1$}{line}\n", "", 2 * self.depth);
+        self.text += &"  ".repeat(self.depth);
+        self.text += line;
+        self.text.push('\n');
     }
 
     fn dimension(&self, name: &str) -> u8 {
@@ -83,6 +87,6 @@ impl<'a> Trace<'a> {
             1 => format!(" {}", self.units.length_name()),
             power => format!(" {}^{power}", self.units.length_name()),
         };
-        format!("{}{unit}", self.units.power(value, power) + 0.0)
+        format!("{}{unit}", exact(self.units.power(value, power)))
     }
 }

@@ -54,7 +54,7 @@ pub fn print(model: &Model, plan: &Plan, options: &Options) -> String {
     text.line(0, &title(model));
     text.gap();
     text.line(0, "Joint variables");
-    variables::definitions(model).iter().for_each(|line| text.line(1, line));
+    text.lines(1, &variables::definitions(model));
     let mut writer = Writer { model, plan, numeric: options.numeric, used: BTreeSet::new() };
     let (mut angles, mut derivations) = (BTreeSet::new(), Vec::new());
     for function in plan.functions.iter().filter(|function| options.part.has(&function.kind)) {

@@ -62,7 +62,7 @@ fn introduction(name: &str, problem: Option<&Problem>, text: &mut Text) {
 fn meaning(target: Target) -> &'static str {
     match target {
         Target::Pose => "the tool frame in the base frame",
-        Target::Position => "the tool point",
+        Target::Position | Target::Xy => "the tool point",
         Target::PositionDirection => "the tool point, and the direction of the tool's z axis",
         Target::PositionYaw | Target::XyYaw => {
             "the tool point, and the cosine and sine of the turn of the tool's x axis about base z"
@@ -71,7 +71,6 @@ fn meaning(target: Target) -> &'static str {
         Target::Direction => "the direction of the tool's z axis",
         Target::Ray => "a point of the line that the tool's z axis lies on, and its direction",
         Target::Lookat => "a point that the tool's z axis passes through",
-        Target::Xy => "the tool point",
     }
 }
 
@@ -133,12 +132,12 @@ impl Derivation<'_, '_, '_> {
         let meaning = sum.filter(|sum| sum != name).map_or_else(String::new, |sum| format!(" = {sum}"));
         self.text.gap();
         self.text.line(1, &format!("Step {}: {name}{meaning}", index + 1));
-        definitions.iter().for_each(|line| self.text.line(2, line));
+        self.text.lines(2, definitions);
         let solution = Solution::of(&unknown, equation, self.model.units, &mut |x| self.scope.sum(x));
-        solution.equations.iter().for_each(|line| self.text.line(2, line));
+        self.text.lines(2, &solution.equations);
         self.text.line(2, &format!("({})", stage.origin));
-        solution.roots.iter().for_each(|line| self.text.line(2, line));
-        solution.remarks.iter().for_each(|line| self.text.line(2, line));
+        self.text.lines(2, &solution.roots);
+        self.text.lines(2, &solution.remarks);
     }
 
     fn joints(&mut self, q: &[Scalar]) {

@@ -29,6 +29,13 @@ impl Text {
         self.put(column, rest);
     }
 
+    /// Lines at a level.
+    pub(super) fn lines(&mut self, level: usize, lines: &[String]) {
+        for line in lines {
+            self.line(level, line);
+        }
+    }
+
     /// Lines that are laid out already.
     pub(super) fn append(&mut self, lines: &str) {
         self.0.push_str(lines);
@@ -70,7 +77,7 @@ impl Text {
     }
 }
 
-/// Where a line of at most `width` columns is best broken: at the least deeply nested operator in its second half,
+/// Where a line of at most `width` columns is best broken: at the least deeply nested operator behind its first third,
 /// else between factors, else wherever there is a space.
 fn break_before(line: &str, width: usize) -> Option<usize> {
     let mut depth = 0_usize;
@@ -88,8 +95,8 @@ fn break_before(line: &str, width: usize) -> Option<usize> {
                 if after_operator {
                     continue;
                 }
-                let rank = 2 * depth + usize::from(!operator);
-                if at > width / 2 && best.is_none_or(|(least, _)| rank <= least) {
+                let rank = 2 * depth + if operator { 0 } else { 3 };
+                if at > width / 3 && best.is_none_or(|(least, _)| rank <= least) {
                     best = Some((rank, at));
                 }
                 fallback = Some(at);

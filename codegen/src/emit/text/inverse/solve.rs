@@ -47,7 +47,10 @@ fn trig(unknown: &Unknown<'_>, [a, b, c]: [Sum; 3], units: Units) -> Solution {
     let name = unknown.name;
     let half_turn = number::angle(PI, units);
     let roots = if c.is_zero() {
-        format!("{name} = atan2({}, {b}), or that + {half_turn}", a.clone().neg())
+        let (sine, cosine) = (a.clone().neg(), b.clone());
+        // Either root will do for the first.
+        let (sine, cosine) = if b == b.unsigned() { (sine, cosine) } else { (a.clone(), cosine.neg()) };
+        format!("{name} = atan2({sine}, {cosine}), or that + {half_turn}")
     } else if b.is_zero() {
         format!("{name} = +- acos({})", c.over(&a))
     } else if a.is_zero() {
