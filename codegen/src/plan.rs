@@ -7,6 +7,7 @@
 pub mod eval;
 #[cfg(test)]
 pub(crate) mod fixtures;
+mod dimension;
 mod forward;
 mod inverse;
 mod schedule;

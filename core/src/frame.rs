@@ -136,6 +136,12 @@ impl<S: Float> Frame<S> {
 /// The horizontal part of the x axis, in machine epsilons, under which roll and yaw are no longer told apart.
 const GIMBAL: f64 = 16.0;
 
+impl<S: Float> From<&Frame<S>> for Frame<S> {
+    fn from(frame: &Frame<S>) -> Self {
+        *frame
+    }
+}
+
 impl<S: Float> Default for Frame<S> {
     fn default() -> Self {
         Self::IDENTITY

@@ -52,13 +52,13 @@ impl<K, S: Float> Mounted<K, S> {
     }
 
     /// With this frame as its tool: the pose of the tool point in the table's tool frame.
-    pub fn with_tool(self, tool: Frame<S>) -> Self {
-        Self { tool, ..self }
+    pub fn with_tool(self, tool: impl Into<Frame<S>>) -> Self {
+        Self { tool: tool.into(), ..self }
     }
 
     /// With this frame under its base: the pose of the table's base frame in the world.
-    pub fn with_base(self, base: Frame<S>) -> Self {
-        Self { base, ..self }
+    pub fn with_base(self, base: impl Into<Frame<S>>) -> Self {
+        Self { base: base.into(), ..self }
     }
 
     /// The robot itself.

@@ -21,8 +21,9 @@ impl Arguments {
     /// Reads what it can; what it cannot is a mistake and left out. `None` where there is no table.
     pub(crate) fn parse(tokens: TokenStream, report: &mut Report) -> Option<Self> {
         let mut tokens = tokens.into_iter();
-        let Some((path, span)) = tokens.next().and_then(|token| string(&token)) else {
-            report.mistake(USAGE, Span::call_site());
+        let table = tokens.next();
+        let Some((path, span)) = table.as_ref().and_then(string) else {
+            report.mistake(USAGE, table.map_or_else(Span::call_site, |token| token.span()));
             return None;
         };
         let types = if cfg!(feature = "nalgebra") { Types::Nalgebra } else { Types::Plain };

@@ -2,7 +2,7 @@
 
 use crate::report::{Report, tokens};
 use dh_codegen::emit::rust::Generics;
-use proc_macro::{Delimiter, Spacing, TokenStream, TokenTree};
+use proc_macro::{Delimiter, Spacing, Span, TokenStream, TokenTree};
 
 /// A struct, unread but for its name and generic parameters.
 pub(crate) struct Item {
@@ -18,16 +18,32 @@ impl Item {
         let all: Vec<_> = item.clone().into_iter().collect();
         let at = all.iter().position(|token| is_word(token, "struct"));
         let Some([TokenTree::Ident(name), rest @ ..]) = at.and_then(|at| all.get(at + 1..)) else {
-            let span = all.first().map_or_else(proc_macro::Span::call_site, TokenTree::span);
-            report.mistake("dh_robot stands on a struct", span);
+            report.mistake(
+                "dh_robot stands on a struct",
+                all.first().map_or_else(Span::call_site, TokenTree::span),
+            );
             return None;
         };
-        let parameters = angle_bracketed(rest);
-        let clause = rest.get(parameters.len()..).unwrap_or_default();
-        let clause = clause.iter().skip_while(|token| !is_word(token, "where"));
+        let depths = depths(rest);
+        let end = depths.iter().position(|depth| *depth == 0).filter(|end| *end > 0).map_or(0, |end| end + 1);
+        let inside: Vec<_> = rest.iter().zip(&depths).take(end.saturating_sub(1)).skip(1).collect();
+        let parameters: Vec<_> = inside
+            .split(|(token, depth)| is_mark(token, ',') && **depth == 1)
+            .filter(|one| !one.is_empty())
+            .collect();
+        // With bounds, without defaults.
+        let declared = |parameter: &&[(&TokenTree, &usize)]| {
+            text(
+                parameter
+                    .iter()
+                    .take_while(|(token, depth)| !(is_mark(token, '=') && **depth == 1))
+                    .map(|(token, _)| *token),
+            )
+        };
+        let clause = rest.iter().skip(end).skip_while(|token| !is_word(token, "where"));
         let generics = Generics {
-            parameters: declared(&split(parameters)),
-            arguments: passed(&split(parameters)),
+            parameters: bracketed(parameters.iter().map(declared)),
+            arguments: bracketed(parameters.iter().map(|parameter| argument(parameter))),
             clause: text(clause.take_while(|token| !is_end(token))),
         };
         Some(Self { name: name.to_string(), generics, tokens: item })
@@ -36,8 +52,10 @@ impl Item {
     /// Puts documentation (comment lines) behind the struct's own attributes.
     pub(crate) fn document(&mut self, documentation: &str) {
         let mut attributes: Vec<_> = std::mem::take(&mut self.tokens).into_iter().collect();
-        let is_mark = |token: &TokenTree| matches!(token, TokenTree::Punct(mark) if mark.as_char() == '#');
-        let count = attributes.chunks(2).take_while(|pair| pair.first().is_some_and(is_mark)).count();
+        let count = attributes
+            .chunks(2)
+            .take_while(|pair| pair.first().is_some_and(|mark| is_mark(mark, '#')))
+            .count();
         let item = attributes.split_off(2 * count);
         self.tokens.extend(attributes);
         self.tokens.extend(tokens(documentation));
@@ -45,72 +63,31 @@ impl Item {
     }
 }
 
-/// `<...>` at the beginning of `rest`, brackets included.
-fn angle_bracketed(rest: &[TokenTree]) -> &[TokenTree] {
+/// How many angle brackets are open after each token.
+fn depths(tokens: &[TokenTree]) -> Vec<usize> {
     let mut depth = 0_usize;
     let mut arrow = false;
-    for (i, token) in rest.iter().enumerate() {
-        let mark = if let TokenTree::Punct(mark) = token { mark.as_char() } else { ' ' };
-        match mark {
-            '<' => depth += 1,
-            '>' if !arrow => depth = depth.saturating_sub(1),
-            _ => {}
+    let mut depths = Vec::new();
+    for token in tokens {
+        if is_mark(token, '<') {
+            depth += 1;
+        } else if is_mark(token, '>') && !arrow {
+            depth = depth.saturating_sub(1);
         }
         arrow = matches!(token, TokenTree::Punct(mark) if mark.as_char() == '-' && mark.spacing() == Spacing::Joint);
-        if depth == 0 {
-            return if i == 0 { &[] } else { rest.get(..=i).unwrap_or_default() };
-        }
+        depths.push(depth);
     }
-    &[]
+    depths
 }
 
-/// Generic parameters, each as its tokens.
-fn split(parameters: &[TokenTree]) -> Vec<&[TokenTree]> {
-    let inner = parameters.get(1..parameters.len().saturating_sub(1)).unwrap_or_default();
-    let mut depth = 0_usize;
-    let mut split = Vec::new();
-    let mut start = 0;
-    for (i, token) in inner.iter().enumerate() {
-        let TokenTree::Punct(mark) = token else { continue };
-        match mark.as_char() {
-            '<' => depth += 1,
-            '>' => depth = depth.saturating_sub(1),
-            ',' if depth == 0 => {
-                split.push(inner.get(start..i).unwrap_or_default());
-                start = i + 1;
-            }
-            _ => {}
-        }
-    }
-    split.push(inner.get(start..).unwrap_or_default());
-    split.retain(|parameter| !parameter.is_empty());
-    split
-}
-
-/// Generic parameters as they are declared on an `impl`: with bounds, without defaults.
-fn declared(parameters: &[&[TokenTree]]) -> String {
-    bracketed(parameters.iter().map(|parameter| {
-        let mut depth = 0_usize;
-        text(parameter.iter().take_while(|token| {
-            let mark = if let TokenTree::Punct(mark) = token { mark.as_char() } else { ' ' };
-            match mark {
-                '<' => depth += 1,
-                '>' => depth = depth.saturating_sub(1),
-                _ => {}
-            }
-            mark != '=' || depth > 0
-        }))
-    }))
-}
-
-/// Generic parameters as arguments.
-fn passed(parameters: &[&[TokenTree]]) -> String {
-    bracketed(parameters.iter().map(|parameter| match parameter {
-        [TokenTree::Punct(quote), name, ..] if quote.as_char() == '\'' => format!("'{name}"),
-        [constant, name, ..] if is_word(constant, "const") => name.to_string(),
-        [name, ..] => name.to_string(),
+/// A generic parameter as an argument.
+fn argument(parameter: &[(&TokenTree, &usize)]) -> String {
+    match parameter {
+        [(quote, _), (name, _), ..] if is_mark(quote, '\'') => format!("'{name}"),
+        [(word, _), (name, _), ..] if is_word(word, "const") => name.to_string(),
+        [(name, _), ..] => name.to_string(),
         [] => String::new(),
-    }))
+    }
 }
 
 fn bracketed(parameters: impl Iterator<Item = String>) -> String {
@@ -126,11 +103,13 @@ fn is_word(token: &TokenTree, word: &str) -> bool {
     matches!(token, TokenTree::Ident(ident) if ident.to_string() == word)
 }
 
+fn is_mark(token: &TokenTree, character: char) -> bool {
+    matches!(token, TokenTree::Punct(mark) if mark.as_char() == character)
+}
+
 /// Fields in braces, or the semicolon.
 fn is_end(token: &TokenTree) -> bool {
-    match token {
-        TokenTree::Group(group) => group.delimiter() == Delimiter::Brace,
-        TokenTree::Punct(mark) => mark.as_char() == ';',
-        _ => false,
-    }
+    let braces =
+        |token: &TokenTree| matches!(token, TokenTree::Group(group) if group.delimiter() == Delimiter::Brace);
+    is_mark(token, ';') || braces(token)
 }

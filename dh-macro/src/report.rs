@@ -26,7 +26,7 @@ impl Report {
     ) {
         match diagnostic.severity {
             Severity::Error => {
-                self.mistake(&diagnostic.render(text, path, Style::WithinError), arguments.span)
+                self.mistake(&diagnostic.render(text, path, Style::WithinError), arguments.span);
             }
             Severity::Warning if !arguments.warnings => {}
             Severity::Warning => {

@@ -2,9 +2,17 @@
 //! `printed_text` keeps fresh.
 
 #![deny(warnings, missing_docs, clippy::pedantic)]
+#![allow(clippy::expect_used, reason = "a test")]
 
+mod everything;
 mod plans;
 
+#[path = "printed/every_target.rs"]
+#[rustfmt::skip]
+mod every_target;
+#[path = "printed/every_target_plain_f32.rs"]
+#[rustfmt::skip]
+mod every_target_plain_f32;
 #[path = "printed/planar.rs"]
 #[rustfmt::skip]
 mod planar;
@@ -18,8 +26,9 @@ mod polar;
 use dh_codegen::model::Model;
 use dh_codegen::plan::Plan;
 use dh_codegen::plan::eval::Program;
-use dh_runtime::nalgebra::Point2;
+use dh_runtime::nalgebra::{Point2, Point3, Rotation3, Vector3};
 use dh_runtime::{Float, Frame, IkError, Kinematics, Rule, SolutionSet, Target};
+use everything::computed;
 use planar::Planar2R;
 
 #[test]
@@ -32,32 +41,17 @@ fn generated_code_gives_the_bits_of_the_interpreter() {
     same_bits(&polar::Polar, &model, &plan, &[[0.3, 0.2], [-3.0, 0.8]]);
 }
 
-/// Compares all that [`Kinematics`] computes: Debug prints floats so that different bits are different text.
+/// Compares all that [`Kinematics`] computes.
 fn same_bits<S: Float>(arm: &dyn Kinematics<S>, model: &Model, plan: &Plan, poses: &[[S; 2]]) {
     let program = Program::<S>::new(model, plan).expect("a sound plan");
     let interpreter = program.interpreter().expect("a complete plan");
-    let text = |arm: &dyn Kinematics<S>, q: &[S; 2]| {
-        let mut frames = [Frame::IDENTITY; 3];
-        let mut columns = [[S::ZERO; 6]; 2];
-        let mut text = format!("{:?}\n", [arm.fk(q), arm.fk_flange(q)]);
-        text += &format!("{:?} {frames:?}\n", arm.frames_into(q, &mut frames));
-        text += &format!("{:?} {columns:?}\n", arm.jacobian_into(q, &mut columns));
-        let [x, y, _] = arm.fk(q).expect("two joints").translation;
-        for problem in arm.problems() {
-            let mut set = SolutionSet::new();
-            let result = arm.ik_into(problem.name, &Target::Xy([x, y]), &mut set);
-            let near = arm.ik_within(problem.name, &Target::Xy([x, y]), Some(q), &mut set.clone());
-            text += &format!("{} {result:?} {near:?}\n", problem.name);
-            set.iter().for_each(|solution| text += &format!("{solution:?}\n"));
-        }
-        text + &format!("{:?} {:?}", arm.check(q).map_err(|error| error.to_string()), arm.rules())
-    };
     for q in poses {
-        assert_eq!(text(arm, q), text(&interpreter, q));
+        let tool = arm.fk(q).expect("two joints");
+        assert_eq!(computed(arm, q, tool), computed(&interpreter, q, tool));
     }
+    assert_eq!(arm.rules(), interpreter.rules());
     assert_eq!(arm.fingerprint(), interpreter.fingerprint());
     assert_eq!(arm.problems(), interpreter.problems());
-    assert_eq!(arm.rows(), interpreter.rows());
 }
 
 #[test]
@@ -94,7 +88,36 @@ fn tool_and_base_are_added_at_run_time() {
     let arm = Planar2R;
     let tool = dh_runtime::Pose::translation(0.1, 0.0, 0.0);
     let base = dh_runtime::Pose::translation(0.0, 0.0, 1.0);
-    let mounted = arm.with_base(&base).with_tool(Frame::from(tool));
+    let mounted = arm.with_base(&base).with_tool(tool);
     let tip = Kinematics::fk(&mounted, &[0.0, 0.0]).expect("two joints").translation;
     assert!((tip[0] - 1.0).abs() < 1e-12 && (tip[2] - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn every_target_is_taken_in_its_own_types() -> Result<(), IkError> {
+    let (model, plan) = plans::every_target();
+    let program = Program::<f64>::new(&model, &plan).expect("a sound plan");
+    let interpreter = program.interpreter().expect("a complete plan");
+    let arm = every_target::EveryTarget;
+    assert_eq!(Kinematics::problems(&arm), interpreter.problems());
+    assert_eq!(Kinematics::problems(&arm).len(), 10);
+
+    // The candidates: (0, 0) is stretched out along x, and the z axis stays upright whatever the joints.
+    let (origin, up) = (Point3::origin(), Vector3::z_axis());
+    assert_eq!(arm.ik_all_direction(&up)?.first().map(|solution| solution.q), Some([0.0, 1.0]));
+    let missed =
+        |result| matches!(result, Err(IkError::Failed { position_error, .. }) if position_error > 0.7);
+    assert!(missed(arm.ik_all_position(&origin)) && missed(arm.ik_lookat(&origin)));
+    assert!(missed(arm.ik_ray_near(&origin, &up, &[0.0; 2])));
+    let turned = arm.ik_all_rotation(&Rotation3::identity()).err();
+    assert_eq!(turned, interpreted(&interpreter, "rotation"));
+    assert!(matches!(turned, Some(IkError::Failed { rotation_error, .. }) if rotation_error > 1.9));
+    let single = every_target_plain_f32::EveryTarget;
+    assert!(single.ik_all_xy_yaw(&[0.9, 0.0], 0.0).is_err());
+    assert!(single.ik_rotation(&Frame::<f32>::IDENTITY.rotation).is_err());
+    Ok(())
+}
+
+fn interpreted(arm: &dyn Kinematics, problem: &str) -> Option<IkError> {
+    arm.ik_into(problem, &Target::Rotation(Frame::IDENTITY.rotation), &mut SolutionSet::new()).err()
 }

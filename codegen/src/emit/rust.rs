@@ -106,11 +106,8 @@ pub fn print(model: &Model, plan: &Plan, options: &Options) -> String {
     text.line("");
     text.documentation(documentation::of_robot(model, &printer.reach()));
     text.line("#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]");
-    text.open("#[allow(");
-    text.line("unreachable_pub,");
-    text.line("clippy::doc_markdown,");
-    text.line("reason = \"public where it is used or not, and documented in the words of the table\"");
-    text.close(")]");
+    let reason = "public where it is used or not, and documented in the words of the table";
+    text.allow(&["unreachable_pub", "clippy::doc_markdown"], reason);
     text.line(format!("pub struct {};", printer.struct_name));
     text.line("");
     text.laid_out(&items);
@@ -164,13 +161,10 @@ impl<'a> Printer<'a> {
         text.gap();
         let generics = &self.options.generics;
         let clause = if generics.clause.is_empty() { String::new() } else { format!(" {}", generics.clause) };
-        text.open("#[allow(");
-        text.line("clippy::unused_self,");
-        text.line("clippy::trivially_copy_pass_by_ref,");
-        text.line("dead_code,");
-        text.line("unreachable_pub,");
-        text.line("reason = \"the same methods for every arm, whatever of them is used and where\"");
-        text.close(")]");
+        text.allow(
+            &["clippy::unused_self", "clippy::trivially_copy_pass_by_ref", "dead_code", "unreachable_pub"],
+            "the same methods for every arm, whatever of them is used and where",
+        );
         text.open(format!(
             "impl{} {}{}{clause} {{",
             generics.parameters, self.struct_name, generics.arguments

@@ -18,8 +18,8 @@ pub(crate) fn planar() -> (Model, Plan) {
     model.poses = vec![NamedPose { name: "rest".to_owned(), q: vec![0.0, 1.57], safe: true }];
     model.servos = vec![NamedServo { name: "hand".to_owned(), servo: servo() }];
     let elbow_up = Filter { form: linear(1, "theta2 <= 0"), strict: false };
+    let mut plan = plan::build(&model).0;
     model.problems = vec![problem("xy", Vec::new()), problem("elbow_up", vec![elbow_up])];
-    let (mut plan, _) = plan::build(&model);
     let (a1, a2) = (constant(&plan, "a1"), constant(&plan, "a2"));
     plan.functions.extend([planar_inverse(0, &a1, &a2), planar_inverse(1, &a1, &a2)]);
     (model, plan)
@@ -33,10 +33,48 @@ pub(crate) fn polar() -> (Model, Plan) {
     rows[1].kind = JointKind::Prismatic;
     rows[1].limits = Some(Limits { min: 0.0, max: 0.8 });
     let mut model = robot("Polar", rows);
+    let mut plan = plan::build(&model).0;
     model.problems = vec![problem("xy", Vec::new())];
-    let (mut plan, _) = plan::build(&model);
     let a2 = constant(&plan, "a2");
     plan.functions.push(polar_inverse(a2));
+    (model, plan)
+}
+
+/// The planar arm with a problem of every kind of target, each with one candidate made of the target's first number
+/// and its last: for signatures.
+pub(crate) fn every_target() -> (Model, Plan) {
+    let kinds = [
+        ("position", Target::Position),
+        ("position_direction", Target::PositionDirection),
+        ("position_yaw", Target::PositionYaw),
+        ("rotation", Target::Rotation),
+        ("direction", Target::Direction),
+        ("ray", Target::Ray),
+        ("lookat", Target::Lookat),
+        ("xy", Target::Xy),
+        ("xy_yaw", Target::XyYaw),
+    ];
+    let mut model = robot("Every target", vec![turning(0, 0.5), turning(1, 0.4)]);
+    let mut plan = plan::build(&model).0;
+    plan.functions.retain(|function| !matches!(function.kind, FunctionKind::Inverse(_)));
+    model.problems =
+        kinds.iter().map(|(name, target)| Problem { target: *target, ..problem(name, Vec::new()) }).collect();
+    let every = [(None, Target::Pose)]
+        .into_iter()
+        .chain(kinds.iter().enumerate().map(|(i, (_, kind))| (Some(i), *kind)));
+    plan.functions.extend(every.map(|(problem, target)| {
+        let values: Vec<_> = target.input_names().iter().map(|name| (*name).to_owned()).collect();
+        let q = [0, values.len() - 1].map(|i| Scalar::Value(ValueId(i))).to_vec();
+        Function {
+            kind: FunctionKind::Inverse(problem),
+            inputs: values.len(),
+            values,
+            steps: vec![Step::Accept { q }],
+            outputs: Vec::new(),
+            counts: Counts::default(),
+            stages: Vec::new(),
+        }
+    }));
     (model, plan)
 }
 
@@ -167,6 +205,7 @@ fn turning(index: usize, a: f64) -> Row {
         shift: 0.0,
         terms: vec![(index, 1.0)],
         variable: Some(index),
+        #[allow(clippy::approx_constant, reason = "tables say this")]
         limits: Some(Limits { min: -3.14, max: 3.14 }),
         max_velocity: Some(2.0),
         max_acceleration: None,

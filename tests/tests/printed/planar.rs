@@ -31,8 +31,8 @@ use ::dh_runtime::{
 )]
 pub struct Planar2R;
 
-const A2: f64 = 0.4; // link length of joint 2, table line 2
 const A1: f64 = 0.5; // link length of joint 1, table line 1
+const A2: f64 = 0.4; // link length of joint 2, table line 2
 const REACH: f64 = 0.9; // bound on the distance of the tool point
 /// Whole turns of joints that leave every frame where it is (rad).
 const WINDINGS: [Winding<'static>; 2] = [Winding::new(0, TAU, &[]), Winding::new(1, TAU, &[])];
@@ -58,7 +58,10 @@ impl Planar2R {
     /// A hash of everything in the table that changes what is computed or sent.
     pub const FINGERPRINT: u64 = 0x0123_4567_89ab_cdef;
     /// The joints, in the order of `q` (rad).
-    #[allow(clippy::approx_constant, reason = "numbers of the table, as they were written")]
+    #[allow(
+        clippy::approx_constant,
+        reason = "numbers of the table, as they were written"
+    )]
     #[rustfmt::skip]
     pub const JOINTS: [Joint<'static>; 2] = [
         Joint::revolute("J1")
@@ -80,7 +83,10 @@ impl Planar2R {
         windings: &WINDINGS,
     };
     /// Named joint poses of the table (rad, m).
-    #[allow(clippy::approx_constant, reason = "numbers of the table, as they were written")]
+    #[allow(
+        clippy::approx_constant,
+        reason = "numbers of the table, as they were written"
+    )]
     #[rustfmt::skip]
     pub const POSES: [NamedPose<'static>; 1] = [
         NamedPose::new("rest", &[0.0, 1.57]).marked_safe(),
@@ -168,10 +174,14 @@ impl Planar2R {
     ///
     /// `position`: x and y of the tool point in the base frame (m).
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta2: `2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2` (the distance of the tool point)
-    /// - theta1: `k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py` (rows 1 and 2 of the position)
+    /// ```text
+    /// theta2:   2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2
+    ///           (the distance of the tool point)
+    /// theta1:   k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py
+    ///           (rows 1 and 2 of the position)
+    /// ```
     ///
     /// Besides solving, on each branch: 8 multiplications, 4 additions, 1 sine-cosine pair.
     ///
@@ -217,10 +227,14 @@ impl Planar2R {
     ///
     /// Where `theta2 <= 0`.
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta2: `2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2` (the distance of the tool point)
-    /// - theta1: `k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py` (rows 1 and 2 of the position)
+    /// ```text
+    /// theta2:   2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2
+    ///           (the distance of the tool point)
+    /// theta1:   k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py
+    ///           (rows 1 and 2 of the position)
+    /// ```
     ///
     /// Besides solving, on each branch: 8 multiplications, 4 additions, 1 sine-cosine pair.
     ///
@@ -265,13 +279,13 @@ impl Planar2R {
     /// frame.
     #[must_use]
     pub fn with_tool(self, tool: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_tool(tool.into())
+        Mounted::new(self).with_tool(tool)
     }
 
     /// This arm on another frame: the pose (m) of the table's base frame in the world.
     #[must_use]
     pub fn with_base(self, base: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_base(base.into())
+        Mounted::new(self).with_base(base)
     }
 }
 

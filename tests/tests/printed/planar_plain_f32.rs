@@ -30,8 +30,8 @@ use ::dh_runtime::{
 )]
 pub struct Planar2R;
 
-const A2: f32 = 0.4; // link length of joint 2, table line 2
 const A1: f32 = 0.5; // link length of joint 1, table line 1
+const A2: f32 = 0.4; // link length of joint 2, table line 2
 const REACH: f32 = 0.9; // bound on the distance of the tool point
 /// Whole turns of joints that leave every frame where it is (rad).
 const WINDINGS: [Winding<'static, f32>; 2] = [Winding::new(0, TAU, &[]), Winding::new(1, TAU, &[])];
@@ -57,7 +57,10 @@ impl Planar2R {
     /// A hash of everything in the table that changes what is computed or sent.
     pub const FINGERPRINT: u64 = 0x0123_4567_89ab_cdef;
     /// The joints, in the order of `q` (rad).
-    #[allow(clippy::approx_constant, reason = "numbers of the table, as they were written")]
+    #[allow(
+        clippy::approx_constant,
+        reason = "numbers of the table, as they were written"
+    )]
     #[rustfmt::skip]
     pub const JOINTS: [Joint<'static, f32>; 2] = [
         Joint::revolute("J1")
@@ -79,7 +82,10 @@ impl Planar2R {
         windings: &WINDINGS,
     };
     /// Named joint poses of the table (rad, m).
-    #[allow(clippy::approx_constant, reason = "numbers of the table, as they were written")]
+    #[allow(
+        clippy::approx_constant,
+        reason = "numbers of the table, as they were written"
+    )]
     #[rustfmt::skip]
     pub const POSES: [NamedPose<'static, f32>; 1] = [
         NamedPose::new("rest", &[0.0, 1.57]).marked_safe(),
@@ -166,10 +172,14 @@ impl Planar2R {
     ///
     /// `position`: x and y of the tool point in the base frame (m).
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta2: `2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2` (the distance of the tool point)
-    /// - theta1: `k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py` (rows 1 and 2 of the position)
+    /// ```text
+    /// theta2:   2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2
+    ///           (the distance of the tool point)
+    /// theta1:   k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py
+    ///           (rows 1 and 2 of the position)
+    /// ```
     ///
     /// Besides solving, on each branch: 8 multiplications, 4 additions, 1 sine-cosine pair.
     ///
@@ -215,10 +225,14 @@ impl Planar2R {
     ///
     /// Where `theta2 <= 0`.
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta2: `2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2` (the distance of the tool point)
-    /// - theta1: `k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py` (rows 1 and 2 of the position)
+    /// ```text
+    /// theta2:   2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2
+    ///           (the distance of the tool point)
+    /// theta1:   k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py
+    ///           (rows 1 and 2 of the position)
+    /// ```
     ///
     /// Besides solving, on each branch: 8 multiplications, 4 additions, 1 sine-cosine pair.
     ///
@@ -263,18 +277,19 @@ impl Planar2R {
     /// frame.
     #[must_use]
     pub fn with_tool(self, tool: &Frame<f32>) -> Mounted<Self, f32> {
-        Mounted::new(self).with_tool(*tool)
+        Mounted::new(self).with_tool(tool)
     }
 
     /// This arm on another frame: the pose (m) of the table's base frame in the world.
     #[must_use]
     pub fn with_base(self, base: &Frame<f32>) -> Mounted<Self, f32> {
-        Mounted::new(self).with_base(*base)
+        Mounted::new(self).with_base(base)
     }
 }
 
 /// The tool frame in the base frame.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 #[inline]
 fn forward_kinematics(q: &[f32; 2]) -> Frame<f32> {
     let (s1, c1) = Float::sin_cos(q[0]);
@@ -289,6 +304,7 @@ fn forward_kinematics(q: &[f32; 2]) -> Frame<f32> {
 
 /// Columns of the geometric Jacobian.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 #[inline]
 fn geometric_jacobian(q: &[f32; 2]) -> [[f32; 6]; 2] {
     let (s1, c1) = Float::sin_cos(q[0]);
@@ -302,6 +318,7 @@ fn geometric_jacobian(q: &[f32; 2]) -> [[f32; 6]; 2] {
 
 /// The tool frame, and the columns of the Jacobian.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 #[inline]
 fn pose_and_jacobian(q: &[f32; 2]) -> (Frame<f32>, [[f32; 6]; 2]) {
     let (s1, c1) = Float::sin_cos(q[0]);
@@ -321,6 +338,7 @@ fn pose_and_jacobian(q: &[f32; 2]) -> (Frame<f32>, [[f32; 6]; 2]) {
 
 /// The frame of every row, base first.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 #[inline]
 fn row_frames(q: &[f32; 2]) -> [Frame<f32>; 3] {
     let (s1, c1) = Float::sin_cos(q[0]);
@@ -341,12 +359,14 @@ fn row_frames(q: &[f32; 2]) -> [Frame<f32>; 3] {
 }
 
 /// Where the tool point is (m).
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn tool_point(q: &[f32; 2]) -> [f32; 3] {
     forward_kinematics(q).translation
 }
 
 /// Every solution of `xy`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_xy(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     const THETA2: Step = Step::new(0, 0b10, false, Measure::Area);
     const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
@@ -378,6 +398,7 @@ fn solve_xy(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `elbow_up`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_elbow_up(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     const THETA2: Step = Step::new(0, 0b10, false, Measure::Area);
     const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);

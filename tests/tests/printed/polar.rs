@@ -51,7 +51,10 @@ impl Polar {
     /// A hash of everything in the table that changes what is computed or sent.
     pub const FINGERPRINT: u64 = 0x0123_4567_89ab_cdef;
     /// The joints, in the order of `q` (rad, or m for joints that slide).
-    #[allow(clippy::approx_constant, reason = "numbers of the table, as they were written")]
+    #[allow(
+        clippy::approx_constant,
+        reason = "numbers of the table, as they were written"
+    )]
     #[rustfmt::skip]
     pub const JOINTS: [Joint<'static>; 2] = [
         Joint::revolute("J1")
@@ -154,10 +157,14 @@ impl Polar {
     ///
     /// `position`: x and y of the tool point in the base frame (m).
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta1: `px c1 + py s1 = a2` (row 1 of the position in frame 1)
-    /// - d2: `d2 = px s1 - py c1` (row 3 of the position in frame 1)
+    /// ```text
+    /// theta1:   px c1 + py s1 = a2
+    ///           (row 1 of the position in frame 1)
+    /// d2:       d2 = px s1 - py c1
+    ///           (row 3 of the position in frame 1)
+    /// ```
     ///
     /// Besides solving, on each branch: 2 multiplications, 2 additions, 1 sine-cosine pair.
     ///
@@ -201,13 +208,13 @@ impl Polar {
     /// frame.
     #[must_use]
     pub fn with_tool(self, tool: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_tool(tool.into())
+        Mounted::new(self).with_tool(tool)
     }
 
     /// This arm on another frame: the pose (m) of the table's base frame in the world.
     #[must_use]
     pub fn with_base(self, base: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_base(base.into())
+        Mounted::new(self).with_base(base)
     }
 }
 

@@ -4,19 +4,19 @@
 use dh_runtime::{Kinematics, dh_robot};
 
 /// An arm.
-#[dh_robot("planar2r")]
+#[dh_robot("planar.toml")]
 #[derive(Debug, Clone, Copy)]
 pub struct Plain;
 
 /// An arm with fields.
-#[dh_robot("planar2r", scalar = "f32")]
+#[dh_robot("planar.toml", scalar = "f32")]
 pub struct Fields {
     /// Where it is.
     pub room: u32,
 }
 
 /// A generic arm, whose parameter has the name of a constant of the table.
-#[dh_robot("planar2r", types = "plain", warnings = "off")]
+#[dh_robot("planar.toml", types = "plain", warnings = "off")]
 pub struct Generic<'a, A1: Iterator<Item = Vec<u8>> = std::vec::IntoIter<Vec<u8>>, const D1: usize = 2>(pub &'a A1)
 where
     A1: Clone;
@@ -37,8 +37,14 @@ fn main() -> Result {
     assert_eq!(fields.room, 3);
 
     /// An arm in a function.
-    #[dh_robot("planar2r")]
+    #[dh_robot("planar.toml")]
     struct Local;
     assert_eq!(Local::DOF, 2);
+
+    let target = dh_runtime::Point2::new(0.6, 0.3);
+    assert_eq!(Plain.ik_all_xy(&target)?.len(), 2);
+    assert_eq!(generic.ik_all_xy(&[0.6, 0.3])?.len(), 2);
+    let near = Plain.ik_xy_near(&target, &[0.0, 1.0])?;
+    assert!(near[0].q[1] > 0.0);
     Ok(())
 }

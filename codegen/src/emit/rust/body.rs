@@ -5,7 +5,7 @@ use super::layout::{Expression, statement};
 use super::liveness::{Live, coefficients};
 use super::names::Names;
 use super::text::Text;
-use crate::plan::{Equation, Function, FunctionKind, Scalar, Step, ValueId};
+use crate::plan::{Equation, Function, FunctionKind, Scalar, Stage, Step, ValueId};
 
 /// A function under print.
 pub(super) struct Body<'a> {
@@ -56,10 +56,7 @@ impl Body<'_> {
                 Step::Solve { stage, root, equation, body } => {
                     text.gap();
                     if let Some(stage) = self.function.stages.get(*stage) {
-                        text.paragraph(
-                            "//",
-                            &format!("{}: {} ({})", stage.unknown, stage.equation, stage.origin),
-                        );
+                        explain(text, stage);
                     }
                     let head = format!("for {} in", self.name(*root));
                     let call = self.kernel(*stage, equation);
@@ -97,5 +94,16 @@ impl Body<'_> {
     /// The name of a value, or `_` for one that nothing reads.
     pub(super) fn name(&self, id: ValueId) -> &str {
         if self.live.value(id) { self.leaves.values.get(id.0).map_or("_", String::as_str) } else { "_" }
+    }
+}
+
+/// The equation of a stage and where it comes from, above its loop.
+fn explain(text: &mut Text, stage: &Stage) {
+    let (equation, origin) = (format!("{}: {}", stage.unknown, stage.equation), &stage.origin);
+    if text.indent() + equation.len() + origin.len() + 6 <= 100 {
+        text.paragraph("//", &format!("{equation} ({origin})"));
+    } else {
+        text.paragraph("//", &equation);
+        text.paragraph("//", &format!("({origin})"));
     }
 }

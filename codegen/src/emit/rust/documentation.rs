@@ -1,10 +1,14 @@
 //! What the generated documentation says: the table as it was written, and what each function computes.
 
-use super::text::escaped;
+use super::text::{clean, escaped, wrapped};
+
 use crate::model::{
     AngleUnit, Convention, JointKind, LengthUnit, Limits, Model, Placement, Rotation, Row, Units,
 };
 use crate::plan::{Counts, Function};
+
+/// Columns of an equation in documentation.
+const EQUATION_WIDTH: usize = 80;
 
 /// Documentation of the struct, a paragraph each.
 pub(super) fn of_robot(model: &Model, reach: &str) -> Vec<String> {
@@ -48,13 +52,23 @@ pub(super) fn operations(counts: Counts) -> String {
     )
 }
 
-/// The solving steps of an inverse function, as a list.
+/// The solving steps of an inverse function, as lines that are not prose.
 pub(super) fn stages(function: &Function) -> Option<String> {
-    let item = |stage: &crate::plan::Stage| {
-        format!("- {}: `{}` ({})", stage.unknown, stage.equation.replace('`', "'"), escaped(&stage.origin))
-    };
-    let items: Vec<_> = function.stages.iter().map(item).collect();
-    (!items.is_empty()).then(|| items.join("\n"))
+    let mut lines = vec!["```text".to_owned()];
+    for stage in &function.stages {
+        let equation: Vec<_> =
+            stage.equation.split("; ").flat_map(|row| wrapped(&clean(row), EQUATION_WIDTH)).collect();
+        let origin = wrapped(&format!("({})", clean(&stage.origin)), EQUATION_WIDTH);
+        let definition =
+            |(name, value): &(String, String)| wrapped(&clean(&format!("{name} = {value}")), EQUATION_WIDTH);
+        let definitions: Vec<_> = stage.definitions.iter().flat_map(definition).collect();
+        for (i, line) in equation.iter().chain(&definitions).chain(&origin).enumerate() {
+            let head = if i == 0 { format!("{}:", stage.unknown) } else { String::new() };
+            lines.push(format!("{head:<9} {line}"));
+        }
+    }
+    lines.push("```".to_owned());
+    (!function.stages.is_empty()).then(|| lines.join("\n"))
 }
 
 /// Unit of joint values: "rad", "m" or both.

@@ -6,7 +6,7 @@ use super::expression::Leaves;
 use super::layout::{Expression, statement};
 use super::liveness::Live;
 use super::text::Text;
-use super::{Printer, Types};
+use super::{Printer, ScalarType, Types};
 use crate::plan::{Function, FunctionKind, ValueId};
 
 /// More lines than this and clippy asks for a reason.
@@ -39,6 +39,7 @@ impl<'a> Printer<'a> {
     pub(super) fn tool_point(&self, text: &mut Text) {
         text.gap();
         text.line("/// Where the tool point is (m).");
+        self.small_arguments(text);
         text.open(format!("fn tool_point(q: &{}) -> [{}; 3] {{", self.joints_type(), self.scalar()));
         text.line("forward_kinematics(q).translation");
         text.close("}");
@@ -61,7 +62,7 @@ impl<'a> Printer<'a> {
             _ => ("The frame of every row, base first.", self.frames_type(&frame())),
         };
         text.line(format!("/// {what}"));
-        Self::allowances(text, &lines);
+        self.allowances(text, &lines);
         text.line("#[inline]");
         let q = if reads { "q" } else { "_q" };
         text.open(format!("fn {}({q}: &{}) -> {ty} {{", private_name(&function.kind), self.joints_type()));
@@ -91,16 +92,24 @@ impl<'a> Printer<'a> {
     }
 
     /// Lints that a function's text cannot help.
-    pub(super) fn allowances(text: &mut Text, body: &str) {
-        let reason = "reason = \"the names are those of the equations\"";
-        if body.lines().count() <= MANY_LINES {
-            return text.line(format!("#[allow(clippy::similar_names, {reason})]"));
+    pub(super) fn allowances(&self, text: &mut Text, body: &str) {
+        let mut lints = vec!["clippy::similar_names"];
+        if body.lines().count() > MANY_LINES {
+            lints.push("clippy::too_many_lines");
         }
-        text.open("#[allow(");
-        text.line("clippy::similar_names,");
-        text.line("clippy::too_many_lines,");
-        text.line(reason);
-        text.close(")]");
+        text.allow(&lints, "the names are those of the equations");
+        self.small_arguments(text);
+    }
+
+    /// Joint values are passed by reference, however few they are.
+    fn small_arguments(&self, text: &mut Text) {
+        let bytes = match self.options.scalar {
+            ScalarType::F64 => 8,
+            ScalarType::F32 => 4,
+        };
+        if bytes * self.dof() <= 8 {
+            text.allow(&["clippy::trivially_copy_pass_by_ref"], "as for every arm");
+        }
     }
 
     /// A function with the names of its values.
@@ -173,7 +182,7 @@ impl<'a> Printer<'a> {
             "# Errors",
             &listed,
         ]);
-        text.line("#[allow(clippy::result_large_err, reason = \"no heap to put it on\")]");
+        text.allow(&["clippy::result_large_err"], "no heap to put it on");
         let violations =
             format!("{}<'static{}>", self.paths.runtime("Violations"), self.scalar_argument(", "));
         let result = self.paths.prelude("Result");

@@ -1,12 +1,12 @@
 //! Inverse functions: the nested search, and the methods that call it.
 
+use super::Printer;
 use super::body::{Body, Locals};
 use super::documentation::{joint_units, operations, stages};
 use super::layout::{Expression, statement};
 use super::names::function_suffix;
-use super::targets::{Arguments, arguments};
+use super::number::{self, number};
 use super::text::{Text, clean};
-use super::{Printer, number::number};
 use crate::model::{Filter, JointKind, Problem, Row, Target};
 use crate::plan::{Function, FunctionKind, Measure, Scalar, Stage, ValueId, target_inputs};
 
@@ -29,7 +29,7 @@ impl<'a> Printer<'a> {
     }
 
     fn methods_of(&self, text: &mut Text, function: &Function, problem: Option<&Problem>) {
-        let arguments = self.arguments(problem);
+        let arguments = self.arguments(target_of(problem));
         let suffix = problem.map_or(String::new(), |problem| format!("_{}", function_suffix(&problem.name)));
         let result = format!(
             "{}<{}, {}>",
@@ -56,14 +56,15 @@ impl<'a> Printer<'a> {
         ];
         paragraphs.extend(problem.and_then(conditions));
         if let Some(stages) = stages(function) {
-            paragraphs.push("Solved step by step:".to_owned());
+            paragraphs.push("Solved one after the other:".to_owned());
             paragraphs.push(stages);
         }
         paragraphs.push(format!("Besides solving, on each branch: {}", operations(function.counts)));
         paragraphs.extend(["# Errors".to_owned(), errors]);
         text.documentation(paragraphs);
         text.signature(&format!("pub fn ik_all{suffix}"), &parameters, &result);
-        text.line(format!("{solve}(&{})", arguments.target));
+        let call = Expression::Call(solve, vec![arguments.target]);
+        text.laid_out(&statement(text.indent(), "", &call, ""));
         text.close("}");
 
         let solutions = format!("let solutions = self.ik_all{suffix}({names})?;");
@@ -131,7 +132,7 @@ impl<'a> Printer<'a> {
         let name =
             problem.map_or("the full pose".to_owned(), |problem| format!("`{}`", clean(&problem.name)));
         text.line(format!("/// Every solution of {name}."));
-        Self::allowances(text, &lines);
+        self.allowances(text, &lines);
         let result = format!(
             "{}<{}, {}>",
             self.paths.prelude("Result"),
@@ -159,7 +160,8 @@ impl<'a> Printer<'a> {
             |row: usize| self.model.rows.get(row).is_some_and(|row| row.kind == JointKind::Prismatic);
         let prismatic = (0..32).any(|row| stage.rows & (1 << row) != 0 && slides(row));
         let measure = format!("{}::{measure}", self.paths.runtime("Measure"));
-        format!("const {name}: {step} = {step}::new({index}, {:#b}, {prismatic}, {measure});", stage.rows)
+        let rows = number::grouped(&format!("{:b}", stage.rows), 4);
+        format!("const {name}: {step} = {step}::new({index}, 0b{rows}, {prismatic}, {measure});")
     }
 
     /// What is done with a candidate.
@@ -205,10 +207,6 @@ impl<'a> Printer<'a> {
         } else {
             sum.expression()
         }
-    }
-
-    fn arguments(&self, problem: Option<&Problem>) -> Arguments {
-        arguments(target_of(problem), self.options.types, self.options.scalar, &self.paths)
     }
 }
 

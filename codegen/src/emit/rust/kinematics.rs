@@ -1,8 +1,8 @@
 //! The object-safe view: `impl Kinematics`.
 
+use super::Printer;
 use super::inverse::private_name;
 use super::text::Text;
-use super::{Printer, Types};
 use crate::plan::FunctionKind;
 
 impl Printer<'_> {
@@ -59,7 +59,6 @@ impl Printer<'_> {
     pub(super) fn mounting(&self, text: &mut Text) {
         let mounted = format!("{}<Self{}>", self.paths.runtime("Mounted"), self.scalar_argument(", "));
         let pose = self.pose_type();
-        let nalgebra = self.options.types == Types::Nalgebra;
         let frames = [
             (
                 "tool",
@@ -76,8 +75,7 @@ impl Printer<'_> {
                 &["self".to_owned(), format!("{name}: &{pose}")],
                 &mounted,
             );
-            let frame = if nalgebra { format!("{name}.into()") } else { format!("*{name}") };
-            text.line(format!("{}::new(self).with_{name}({frame})", self.paths.runtime("Mounted")));
+            text.line(format!("{}::new(self).with_{name}({name})", self.paths.runtime("Mounted")));
             text.close("}");
         }
     }

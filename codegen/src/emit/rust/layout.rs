@@ -84,9 +84,17 @@ impl Expression {
             Self::Struct(name, fields) => struct_lines(name, fields, indent),
             Self::Tuple(items) => bracketed("(", items, ")", indent),
             Self::Array(items) if !fits || flat.len() - 2 > SHORT => bracketed("[", items, "]", indent),
-            Self::Call(function, arguments) if !fits || flat.len() - function.len() - 2 > SHORT => {
-                if let [Self::Array(items)] = &arguments[..] {
-                    return bracketed(&format!("{function}(["), items, "])", indent);
+            Self::Call(function, arguments)
+                if !fits
+                    || matches!(arguments[..], [Self::Struct(..)])
+                    || flat.len() - function.len() - 2 > SHORT =>
+            {
+                match &arguments[..] {
+                    [Self::Array(items)] => return bracketed(&format!("{function}(["), items, "])", indent),
+                    [Self::Struct(name, fields)] => {
+                        return format!("{})", struct_lines(&format!("{function}({name}"), fields, indent));
+                    }
+                    _ => {}
                 }
                 bracketed(&format!("{function}("), arguments, ")", indent)
             }
@@ -232,7 +240,10 @@ fn struct_lines(name: &str, fields: &[(&'static str, Expression)], indent: usize
     let nested = indent + TAB;
     let mut text = format!("{name} {{\n");
     for (field, value) in fields {
-        text.push_str(&statement(nested, &format!("{field}:"), value, ","));
+        match value {
+            Expression::Atom(same) if same == field => text.extend([" ".repeat(nested).as_str(), field, ","]),
+            _ => text.push_str(&statement(nested, &format!("{field}:"), value, ",")),
+        }
         text.push('\n');
     }
     text.push_str(&" ".repeat(indent));

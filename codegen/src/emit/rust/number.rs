@@ -52,7 +52,7 @@ pub(super) fn number(value: f64, scalar: ScalarType, paths: &Paths) -> String {
         ScalarType::F64 => format!("{value:?}"),
         ScalarType::F32 => format!("{:?}", value as f32),
     };
-    grouped(&digits)
+    separated(&digits)
 }
 
 /// Whether a literal of `value` would look like a carelessly written constant of mathematics.
@@ -65,33 +65,31 @@ pub(super) fn looks_approximate(value: f64) -> bool {
         .any(|constant| (value / constant - 1.0).abs() < 1e-2)
 }
 
-/// Underscores between groups of three digits, from the point outwards; short runs stay whole.
-fn grouped(digits: &str) -> String {
+/// A decimal number with underscores between groups of three digits, from the point outwards.
+fn separated(digits: &str) -> String {
     let (mantissa, exponent) = digits.split_once('e').map_or((digits, None), |(m, e)| (m, Some(e)));
     let (whole, fraction) = mantissa.split_once('.').map_or((mantissa, None), |(w, f)| (w, Some(f)));
-    let mut text = String::new();
-    if whole.len() > 4 {
-        for (i, digit) in whole.chars().enumerate() {
-            if i > 0 && (whole.len() - i) % 3 == 0 {
-                text.push('_');
-            }
-            text.push(digit);
-        }
-    } else {
-        text.push_str(whole);
-    }
+    let mut text = grouped(whole, 3);
     if let Some(fraction) = fraction {
+        let reversed = |text: &str| text.chars().rev().collect::<String>();
         text.push('.');
-        for (i, digit) in fraction.chars().enumerate() {
-            if fraction.len() > 4 && i > 0 && i % 3 == 0 {
-                text.push('_');
-            }
-            text.push(digit);
-        }
+        text.push_str(&reversed(&grouped(&reversed(fraction), 3)));
     }
     if let Some(exponent) = exponent {
         text.push('e');
         text.push_str(exponent);
+    }
+    text
+}
+
+/// Underscores between groups of digits, counted from the right; short runs stay whole.
+pub(super) fn grouped(digits: &str, size: usize) -> String {
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if digits.len() > 4 && i > 0 && (digits.len() - i).is_multiple_of(size) {
+            text.push('_');
+        }
+        text.push(digit);
     }
     text
 }
@@ -125,7 +123,7 @@ mod tests {
         assert_eq!(f64_text(-std::f64::consts::FRAC_PI_2), "-FRAC_PI_2");
         let attribute = Paths::new(Style::Attribute, "Arm");
         assert_eq!(number(std::f64::consts::PI, ScalarType::F32, &attribute), "::core::f32::consts::PI");
-        assert!(looks_approximate(-3.14) && !looks_approximate(0.14));
+        assert!(looks_approximate(-std::f64::consts::PI * 1.001) && !looks_approximate(0.14));
     }
 
     #[test]

@@ -92,10 +92,8 @@ impl Paths {
 
 /// `use module::{names};`, in lines of at most 100 columns.
 fn use_lines(module: &str, names: &[&str]) -> Vec<String> {
-    // rustfmt puts types before constants.
-    let constant = |name: &str| !name.chars().any(|c| c.is_ascii_lowercase());
     let mut sorted = names.to_vec();
-    sorted.sort_by_key(|name| (constant(name), *name));
+    sorted.sort_unstable();
     if let [name] = sorted[..] {
         return vec![format!("use {module}::{name};")];
     }

@@ -2,7 +2,7 @@
 
 use super::Printer;
 use super::layout::{Expression, statement};
-use super::number::{APPROXIMATE, looks_approximate, number};
+use super::number::{APPROXIMATE, grouped, looks_approximate, number};
 use super::text::Text;
 use crate::model::{Bound, JointKind, Limits, Model, Row, Servo, Target};
 use std::cell::Cell;
@@ -33,8 +33,9 @@ impl Printer<'_> {
         text.line(format!("pub const DOF: usize = {};", model.joints.len()));
         text.line("/// The tool point is within this distance of the first joint's axis (m).");
         text.line(format!("pub const REACH: {} = {};", self.scalar(), self.private("REACH")));
+        let fingerprint = grouped(&format!("{:016x}", model.fingerprint), 4);
         text.line("/// A hash of everything in the table that changes what is computed or sent.");
-        text.line(format!("pub const FINGERPRINT: u64 = 0x{};", hexadecimal(model.fingerprint)));
+        text.line(format!("pub const FINGERPRINT: u64 = 0x{fingerprint};"));
         self.joints(text);
         self.rules(text);
         self.poses(text);
@@ -146,9 +147,7 @@ impl Printer<'_> {
         let value = value(&numbers);
         text.line(format!("/// {documentation}"));
         if numbers.approximate.get() {
-            text.line(format!(
-                "#[allow({APPROXIMATE}, reason = \"numbers of the table, as they were written\")]"
-            ));
+            text.allow(&[APPROXIMATE], "numbers of the table, as they were written");
         }
         let tabular = value.contains('\n');
         if tabular {
@@ -274,15 +273,4 @@ fn nested(items: impl Iterator<Item = String>) -> String {
 
 fn indented(item: &str) -> String {
     item.lines().map(|line| format!("    {line}")).collect::<Vec<_>>().join("\n")
-}
-
-/// Sixteen digits in groups of four.
-fn hexadecimal(value: u64) -> String {
-    let digits = format!("{value:016x}");
-    digits
-        .as_bytes()
-        .chunks(4)
-        .map(|group| String::from_utf8_lossy(group).into_owned())
-        .collect::<Vec<_>>()
-        .join("_")
 }

@@ -75,15 +75,29 @@ impl Text {
                 self.line("///");
             }
             let paragraph = paragraph.as_ref();
-            if paragraph.starts_with('|') {
-                // A table is not wrapped.
+            if paragraph.starts_with('|') || paragraph.starts_with("```") {
+                // Tables and equations are not wrapped.
                 paragraph.lines().for_each(|row| self.line(format!("/// {}", clean(row))));
-            } else if paragraph.starts_with("- ") {
-                paragraph.lines().for_each(|item| self.item(item));
             } else {
                 paragraph.lines().for_each(|line| self.paragraph("///", line));
             }
         }
+    }
+
+    /// An attribute that allows lints, with its reason.
+    pub(super) fn allow(&mut self, lints: &[&str], reason: &str) {
+        let reason = format!("reason = \"{reason}\"");
+        let arguments = format!("{}, {reason}", lints.join(", "));
+        // rustfmt keeps up to 70 columns of arguments on one line.
+        if arguments.len() <= 70 {
+            return self.line(format!("#[allow({arguments})]"));
+        }
+        self.open("#[allow(");
+        for lint in lints {
+            self.line(format!("{lint},"));
+        }
+        self.line(reason);
+        self.close(")]");
     }
 
     /// Opens a function: its head, parameters and result on one line, or a parameter a line.
@@ -102,14 +116,6 @@ impl Text {
 
     pub(super) fn into_string(self) -> String {
         self.text
-    }
-
-    /// An item of a list; what follows its first line is indented.
-    fn item(&mut self, item: &str) {
-        let room = WIDTH.saturating_sub(self.indent + 6).max(40);
-        for (i, line) in wrapped(&clean(item.trim_start_matches("- ")), room).iter().enumerate() {
-            self.line(format!("/// {} {line}", if i == 0 { "-" } else { " " }));
-        }
     }
 }
 
@@ -144,7 +150,7 @@ pub(super) fn escaped(text: &str) -> String {
 }
 
 /// Words in lines of at most `room` columns, where words allow it.
-fn wrapped(text: &str, room: usize) -> Vec<String> {
+pub(super) fn wrapped(text: &str, room: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
         let Some(line) = lines.last_mut() else { break };
@@ -175,9 +181,9 @@ mod tests {
     #[test]
     fn paragraphs_wrap() {
         let mut text = Text::default();
-        text.documentation(["word ".repeat(30), "- item".to_owned()]);
+        text.documentation(["word ".repeat(30), "```\nx\n```".to_owned()]);
         let text = text.into_string();
         assert!(text.lines().all(|line| line.len() <= 100 && line.starts_with("///")), "{text}");
-        assert!(text.ends_with("///\n/// - item\n"), "{text}");
+        assert!(text.ends_with("///\n/// ```\n/// x\n/// ```\n"), "{text}");
     }
 }

@@ -1,0 +1,75 @@
+//! The attribute on every shipped table computes the bits of the interpreter: forwards, backwards, and in its refusals.
+
+#![deny(warnings, missing_docs)]
+
+mod everything;
+
+use dh_runtime::{Kinematics, dh_robot};
+use dh_tests::engine;
+use everything::computed;
+use std::f64::consts::PI;
+
+macro_rules! shipped {
+    ($($table:literal $name:ident),* $(,)?) => {
+        $(
+            #[dh_robot($table)]
+            struct $name;
+        )*
+
+        /// Every arm under the name of its table.
+        fn arms() -> Vec<(&'static str, Box<dyn Kinematics>)> {
+            vec![$(($table, Box::new($name))),*]
+        }
+    };
+}
+
+shipped!(
+    "crane_x7" CraneX7,
+    "crane_x7_2r" CraneX7Planar,
+    "elbow3r" Elbow3R,
+    "mycobot" MyCobot,
+    "panda" Panda,
+    "planar2r" Planar2R,
+    "puma560" Puma560,
+    "rtm2r" Rtm2R,
+    "scara" Scara,
+    "uarm_swift_pro" UArmSwiftPro,
+    "ur5" Ur5,
+    "ur5e" Ur5e,
+    "vs068" Vs068,
+);
+
+#[test]
+fn every_shipped_table_is_here() {
+    let names: Vec<_> = arms().iter().map(|(name, _)| *name).collect();
+    assert_eq!(names, dh_robots::names().collect::<Vec<_>>());
+}
+
+#[test]
+fn bits_are_those_of_the_interpreter() {
+    let mut state = 1_u64;
+    let mut random = || {
+        // Any numbers do; these are the same on every run.
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        f64::from((state >> 40) as u32) / f64::from(1_u32 << 23) - 1.0
+    };
+    for (name, arm) in arms() {
+        let interpreter = engine::shipped(name).expect("shipped tables have no mistakes");
+        assert_eq!(arm.name(), interpreter.name());
+        assert_eq!(arm.fingerprint(), interpreter.fingerprint());
+        assert_eq!(arm.problems(), interpreter.problems());
+        assert_eq!(arm.rules(), interpreter.rules());
+        for round in 0..60 {
+            let q: Vec<_> = (0..arm.dof()).map(|_| if round == 0 { 0.0 } else { PI * random() }).collect();
+            let mut tool = arm.fk(&q).expect("as many values as joints");
+            match round % 6 {
+                // Out of reach, in the middle of the arm, and no target at all.
+                3 => tool.translation = tool.translation.map(|x| 4.0 * x),
+                4 => tool.translation = [0.0; 3],
+                5 if round > 50 => tool.rotation = [[f64::NAN; 3]; 3],
+                _ => {}
+            }
+            assert_eq!(computed(&*arm, &q, tool), computed(&*interpreter, &q, tool), "{name} at {q:?}");
+        }
+    }
+}

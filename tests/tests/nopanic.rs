@@ -1,0 +1,124 @@
+//! Generated code cannot panic: that of all shipped arms is linked, optimised, into a library without the standard one
+//! whose panic handler calls what does not exist. Whatever could panic would keep the handler, and the link would fail.
+
+#![allow(clippy::expect_used, reason = "a test")]
+
+use dh_codegen::emit::rust::{Options, print};
+use dh_codegen::verify::Level;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const HEAD: &str = "#![no_std]
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    unsafe extern \"C\" {
+        safe fn this_code_can_panic() -> !;
+    }
+    this_code_can_panic()
+}
+
+/// Panics: shows that the link fails where it should.
+#[cfg(feature = \"control\")]
+#[unsafe(no_mangle)]
+pub extern \"C\" fn control(index: usize) -> u8 {
+    [1, 2, 3][index]
+}
+";
+
+fn manifest(root: &Path) -> String {
+    let runtime = root.join("runtime").display().to_string();
+    format!(
+        "[package]
+name = \"nopanic\"
+version = \"0.0.0\"
+edition = \"2024\"
+
+[lib]
+crate-type = [\"cdylib\"]
+
+[features]
+control = []
+
+[dependencies]
+dh-runtime = {{ path = {runtime:?}, default-features = false, features = [\"nalgebra\"] }}
+
+[profile.release]
+panic = \"abort\"
+lto = \"fat\"
+codegen-units = 1
+
+[workspace]
+"
+    )
+}
+
+/// The code of an arm, and a function that hands out everything in it.
+fn arm(name: &str) -> (String, String) {
+    let table = dh_robots::table(name).expect("a shipped table");
+    let output = dh_codegen::compile(table, Level::Quick).output.expect("shipped tables have no mistakes");
+    let code =
+        print(&output.model, &output.plan, &Options { name: Some("Arm".to_owned()), ..Options::default() });
+    let methods = code.lines().filter_map(|line| line.strip_prefix("    pub fn ")?.split('(').next());
+    let mut keep = format!(
+        "mod {name};
+#[unsafe(no_mangle)]
+pub extern \"C\" fn trait_{name}(keep: &mut &'static dyn dh_runtime::Kinematics) {{
+    *keep = &{name}::Arm;
+}}
+#[unsafe(no_mangle)]
+pub extern \"C\" fn methods_{name}(which: usize) -> *const () {{
+    match which {{
+"
+    );
+    for (i, method) in methods.enumerate() {
+        writeln!(keep, "        {i} => {name}::Arm::{method} as *const (),").expect("a string takes it");
+    }
+    keep += "        _ => core::ptr::null(),\n    }\n}\n";
+    (code, keep)
+}
+
+fn build(folder: &Path, control: bool) -> std::process::Output {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.current_dir(folder).args(["rustc", "--release", "--offline", "--quiet", "--lib"]);
+    if control {
+        cargo.args(["--features", "control"]);
+    }
+    // A library may leave symbols to others; this one may not. Copying memory is the C library's.
+    cargo.args(["--", "-C", "link-arg=-Wl,--no-undefined", "-C", "link-arg=-lc"]);
+    cargo
+        .env("CARGO_TARGET_DIR", folder.join("target"))
+        .env_remove("RUSTFLAGS")
+        .env_remove("CARGO_ENCODED_RUSTFLAGS");
+    cargo.output().expect("cargo runs")
+}
+
+#[test]
+#[cfg_attr(not(target_os = "linux"), ignore = "the linker is told in the words of GNU's")]
+fn generated_code_cannot_panic() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a folder of the workspace");
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("nopanic");
+    std::fs::create_dir_all(folder.join("src")).expect("a folder of our own");
+    let write =
+        |file: &str, text: &str| std::fs::write(folder.join(file), text).expect("a folder of our own");
+    write("Cargo.toml", &manifest(root));
+    // The versions of the workspace, which are there already.
+    write(
+        "Cargo.lock",
+        &std::fs::read_to_string(root.join("Cargo.lock")).expect("the workspace's lock file"),
+    );
+    let mut library = HEAD.to_owned();
+    for name in dh_robots::names() {
+        let (code, keep) = arm(name);
+        write(&format!("src/{name}.rs"), &code);
+        library += &keep;
+    }
+    write("src/lib.rs", &library);
+
+    let output = build(&folder, false);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let control = build(&folder, true);
+    let message = String::from_utf8_lossy(&control.stderr);
+    assert!(!control.status.success() && message.contains("this_code_can_panic"), "{message}");
+}
