@@ -43,9 +43,9 @@ const D1: f64 = 0.105; // link offset of joint 1, table line 11
 const D3: f64 = 0.25; // link offset of joint 3, table line 26
 const D5: f64 = 0.25; // link offset of joint 5, table line 41
 const TOOL_Z: f64 = 0.019; // z of [tool]
-const K1: f64 = 0.21; // = 2 d1
-const K2: f64 = 0.0625; // = d3^2
-const K3: f64 = 0.000_361; // = tool_z^2
+const K1: f64 = 0.1345; // = d3 (2 tool_z + 2 d5)
+const K2: f64 = 0.000_361; // = tool_z^2
+const K3: f64 = 0.0625; // = d3^2
 const K4: f64 = 0.072; // = d5 (d5 + 2 tool_z)
 const K5: f64 = 0.269; // = tool_z + d5
 const K6: f64 = 0.125; // = 2 d3 d5
@@ -214,15 +214,24 @@ impl CraneX7 {
     ///
     /// With `q3 = 0`, `q5 = 0`, `q6 = 0`, `q7 = 0`.
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta1: `py c1 - px s1 = 0` (row 3 of the position in frame 1)
-    /// - theta2: `d3 (2 pz - 2 d1) c2 - d3 (2 px c1 + 2 s1 py) s2 = -n3` (squared distance of the
-    ///   position from the origin of frame 3)
-    /// - theta4: `(tool_z + d5) s4 = -x2; (tool_z + d5) c4 = -z2` (rows 1 and 3 of the position in
-    ///   frame 2)
+    /// ```text
+    /// theta4:   d3 (2 tool_z + 2 d5) c4 = -n1
+    ///           n1 = d1 (2 pz - d1) - (px^2 + py^2 + pz^2 - tool_z^2 - d3^2 - d5 (d5 + 2
+    ///           tool_z))
+    ///           (squared distance of the position from the origin of frame 1)
+    /// theta2:   ((tool_z + d5) c4 + d3) c2 - (tool_z + d5) s4 s2 = z0
+    ///           z0 = pz - d1
+    ///           (row 3 of the position in frame 0)
+    /// theta1:   px c1 + py s1 = -x1
+    ///           py c1 - px s1 = 0
+    ///           x1 = (tool_z + d5) s24 + d3 s2
+    ///           (rows 1 and 3 of the position in frame 1)
+    /// ```
     ///
-    /// Besides solving, on each branch: 17 multiplications, 14 additions, 2 sine-cosine pairs.
+    /// Besides solving, on each branch: 9 multiplications, 10 additions, 3 sine-cosine pairs (and 1
+    /// addition in their arguments).
     ///
     /// # Errors
     ///
@@ -267,15 +276,22 @@ impl CraneX7 {
     ///
     /// With `q3 = 0`, `q5 = 0`, `q6 = -pi - q2 - q4`, `q7 = 0`.
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta1: `py c1 - px s1 = 0` (row 3 of the position in frame 1)
-    /// - theta4: `2 d3 d5 c4 = z0^2 + x1^2 - d5^2 - d3^2` (squares of rows 1 and 2 of the position
-    ///   in frame 1)
-    /// - theta2: `d5 s4 c2 + (d5 c4 + d3) s2 = -x1; (d5 c4 + d3) c2 - d5 s4 s2 = z0` (rows 1 and 2
-    ///   of the position in frame 1)
+    /// ```text
+    /// theta4:   2 d3 d5 c4 = px^2 + py^2 + z0^2 - d5^2 - d3^2
+    ///           z0 = pz + tool_z - d1
+    ///           (squares of all rows of the position in frame 0)
+    /// theta2:   (d5 c4 + d3) c2 - d5 s4 s2 = z0
+    ///           (row 3 of the position in frame 0)
+    /// theta1:   px c1 + py s1 = -x1
+    ///           py c1 - px s1 = 0
+    ///           x1 = d3 s2 + d5 s24
+    ///           (rows 1 and 3 of the position in frame 1)
+    /// ```
     ///
-    /// Besides solving, on each branch: 6 multiplications, 7 additions, 2 sine-cosine pairs.
+    /// Besides solving, on each branch: 7 multiplications, 8 additions, 3 sine-cosine pairs (and 1
+    /// addition in their arguments).
     ///
     /// # Errors
     ///
@@ -318,13 +334,13 @@ impl CraneX7 {
     /// frame.
     #[must_use]
     pub fn with_tool(self, tool: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_tool(tool.into())
+        Mounted::new(self).with_tool(tool)
     }
 
     /// This arm on another frame: the pose (m) of the table's base frame in the world.
     #[must_use]
     pub fn with_base(self, base: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_base(base.into())
+        Mounted::new(self).with_base(base)
     }
 }
 
@@ -729,37 +745,31 @@ fn tool_point(q: &[f64; 7]) -> [f64; 3] {
 /// Every solution of `planar`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_planar(target: &Target) -> Result<Solutions<7>, IkError> {
-    const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
-    const THETA2: Step = Step::new(1, 0b10, false, Measure::Area);
-    const THETA4: Step = Step::new(2, 0b1000, false, Measure::Length);
+    const THETA4: Step = Step::new(0, 0b1000, false, Measure::Area);
+    const THETA2: Step = Step::new(1, 0b10, false, Measure::Length);
+    const THETA1: Step = Step::new(2, 0b1, false, Measure::Length);
 
     let target = target.validate_as(TargetKind::Position)?;
     let [px, py, pz] = target.numbers().array();
     let mut search = Search::new(REACH, &WINDINGS);
+    let n1 = D1 * (2.0 * pz - D1) - (px * px + py * py + pz * pz - K2 - K3 - K4);
 
-    // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
-    for theta1 in search.trig(THETA1, py, -px, 0.0) {
-        let (s1, c1) = Float::sin_cos(theta1);
-        let t1 = 2.0 * pz;
-        let n3 = D1 * (t1 - D1) - (px * px + py * py + pz * pz + K2 - K3 - K4);
+    // theta4: d3 (2 tool_z + 2 d5) c4 = -n1
+    // (squared distance of the position from the origin of frame 1)
+    for theta4 in search.trig(THETA4, K1, 0.0, -n1) {
+        let (s4, c4) = Float::sin_cos(theta4);
+        let z0 = pz - D1;
 
-        // theta2: d3 (2 pz - 2 d1) c2 - d3 (2 px c1 + 2 s1 py) s2 = -n3 (squared distance of the
-        // position from the origin of frame 3)
-        for theta2 in search.trig(
-            THETA2,
-            D3 * (t1 - K1),
-            -D3 * (2.0 * px * c1 + s1 * (2.0 * py)),
-            -n3,
-        ) {
-            let (s2, c2) = Float::sin_cos(theta2);
-            let t2 = pz - D1;
-            let t3 = px * c1 + py * s1;
-            let x2 = t2 * s2 + c2 * t3;
-            let z2 = s2 * t3 - (t2 * c2 - D3);
+        // theta2: ((tool_z + d5) c4 + d3) c2 - (tool_z + d5) s4 s2 = z0
+        // (row 3 of the position in frame 0)
+        for theta2 in search.trig(THETA2, K5 * c4 + D3, -K5 * s4, z0) {
+            let (s24, _) = Float::sin_cos(theta4 + theta2);
+            let (s2, _) = Float::sin_cos(theta2);
+            let x1 = K5 * s24 + D3 * s2;
 
-            // theta4: (tool_z + d5) s4 = -x2; (tool_z + d5) c4 = -z2 (rows 1 and 3 of the position
-            // in frame 2)
-            for theta4 in search.trig_pair(THETA4, [0.0, K5, -x2], [K5, 0.0, -z2]) {
+            // theta1: px c1 + py s1 = -x1; py c1 - px s1 = 0
+            // (rows 1 and 3 of the position in frame 1)
+            for theta1 in search.trig_pair(THETA1, [px, py, -x1], [py, -px, 0.0]) {
                 let q = [theta1, theta2, 0.0, theta4, 0.0, 0.0, 0.0];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                 search.accept(q, position_error, rotation_error);
@@ -772,30 +782,29 @@ fn solve_planar(target: &Target) -> Result<Solutions<7>, IkError> {
 /// Every solution of `wrist_down`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_wrist_down(target: &Target) -> Result<Solutions<7>, IkError> {
-    const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
-    const THETA4: Step = Step::new(1, 0b1000, false, Measure::Area);
-    const THETA2: Step = Step::new(2, 0b10, false, Measure::Length);
+    const THETA4: Step = Step::new(0, 0b1000, false, Measure::Area);
+    const THETA2: Step = Step::new(1, 0b10, false, Measure::Length);
+    const THETA1: Step = Step::new(2, 0b1, false, Measure::Length);
 
     let target = target.validate_as(TargetKind::Position)?;
     let [px, py, pz] = target.numbers().array();
     let mut search = Search::new(REACH, &WINDINGS);
+    let z0 = pz + TOOL_Z - D1;
 
-    // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
-    for theta1 in search.trig(THETA1, py, -px, 0.0) {
-        let (s1, c1) = Float::sin_cos(theta1);
-        let z0 = pz + TOOL_Z - D1;
-        let x1 = px * c1 + py * s1;
+    // theta4: 2 d3 d5 c4 = px^2 + py^2 + z0^2 - d5^2 - d3^2
+    // (squares of all rows of the position in frame 0)
+    for theta4 in search.trig(THETA4, K6, 0.0, px * px + py * py + z0 * z0 - K7 - K3) {
+        let (s4, c4) = Float::sin_cos(theta4);
 
-        // theta4: 2 d3 d5 c4 = z0^2 + x1^2 - d5^2 - d3^2 (squares of rows 1 and 2 of the position
-        // in frame 1)
-        for theta4 in search.trig(THETA4, K6, 0.0, z0 * z0 + x1 * x1 - K7 - K2) {
-            let (s4, c4) = Float::sin_cos(theta4);
-            let t1 = D5 * s4;
-            let t2 = D5 * c4 + D3;
+        // theta2: (d5 c4 + d3) c2 - d5 s4 s2 = z0 (row 3 of the position in frame 0)
+        for theta2 in search.trig(THETA2, D5 * c4 + D3, -D5 * s4, z0) {
+            let (s24, _) = Float::sin_cos(theta4 + theta2);
+            let (s2, _) = Float::sin_cos(theta2);
+            let x1 = D3 * s2 + D5 * s24;
 
-            // theta2: d5 s4 c2 + (d5 c4 + d3) s2 = -x1; (d5 c4 + d3) c2 - d5 s4 s2 = z0 (rows 1 and
-            // 2 of the position in frame 1)
-            for theta2 in search.trig_pair(THETA2, [t1, t2, -x1], [t2, -t1, z0]) {
+            // theta1: px c1 + py s1 = -x1; py c1 - px s1 = 0
+            // (rows 1 and 3 of the position in frame 1)
+            for theta1 in search.trig_pair(THETA1, [px, py, -x1], [py, -px, 0.0]) {
                 let q = [theta1, theta2, 0.0, theta4, 0.0, -theta4 - theta2 - PI, 0.0];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                 search.accept(q, position_error, rotation_error);

@@ -33,9 +33,9 @@ pub struct CraneX7Planar;
 
 const A1: f64 = 0.25; // link length of joint 1, table line 13
 const A2: f64 = 0.25; // link length of joint 2, table line 21
-const K1: f64 = 0.5; // = 2 a1
-const K2: f64 = 0.0625; // = a1^2
-const K3: f64 = 0.0625; // = a2^2
+const K1: f64 = 0.125; // = 2 a1 a2
+const K2: f64 = 0.0625; // = a2^2
+const K3: f64 = 0.0625; // = a1^2
 const REACH: f64 = 0.5; // bound on the distance of the tool point
 /// Whole turns of joints that leave every frame where it is (rad).
 const WINDINGS: [Winding<'static>; 2] = [Winding::new(0, TAU, &[]), Winding::new(1, TAU, &[])];
@@ -62,7 +62,10 @@ impl CraneX7Planar {
     /// A hash of everything in the table that changes what is computed or sent.
     pub const FINGERPRINT: u64 = 0x66aa_7916_04eb_c688;
     /// The joints, in the order of `q` (rad).
-    #[allow(clippy::approx_constant, reason = "numbers of the table, as they were written")]
+    #[allow(
+        clippy::approx_constant,
+        reason = "numbers of the table, as they were written"
+    )]
     #[rustfmt::skip]
     pub const JOINTS: [Joint<'static>; 2] = [
         Joint::revolute("shoulder")
@@ -169,13 +172,20 @@ impl CraneX7Planar {
     ///
     /// `position`: x and y of the tool point in the base frame (m).
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta1: `2 a1 px c1 + 2 a1 py s1 = n1` (squared distance of the position from the origin
-    ///   of frame 1)
-    /// - theta2: `a2 c2 = x1; a2 s2 = y1` (rows 1 and 2 of the position in frame 1)
+    /// ```text
+    /// theta2:   2 a1 a2 c2 = n0
+    ///           n0 = px^2 + py^2 - a2^2 - a1^2
+    ///           (squared distance of the position from the origin of frame 0)
+    /// theta1:   px c1 + py s1 = x1
+    ///           py c1 - px s1 = y1
+    ///           x1 = a2 c2 + a1
+    ///           y1 = a2 s2
+    ///           (rows 1 and 2 of the position in frame 1)
+    /// ```
     ///
-    /// Besides solving, on each branch: 8 multiplications, 6 additions, 1 sine-cosine pair.
+    /// Besides solving, on each branch: 4 multiplications, 4 additions, 1 sine-cosine pair.
     ///
     /// # Errors
     ///
@@ -219,13 +229,20 @@ impl CraneX7Planar {
     ///
     /// Where `theta2 <= 0`.
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta1: `2 a1 px c1 + 2 a1 py s1 = n1` (squared distance of the position from the origin
-    ///   of frame 1)
-    /// - theta2: `a2 c2 = x1; a2 s2 = y1` (rows 1 and 2 of the position in frame 1)
+    /// ```text
+    /// theta2:   2 a1 a2 c2 = n0
+    ///           n0 = px^2 + py^2 - a2^2 - a1^2
+    ///           (squared distance of the position from the origin of frame 0)
+    /// theta1:   px c1 + py s1 = x1
+    ///           py c1 - px s1 = y1
+    ///           x1 = a2 c2 + a1
+    ///           y1 = a2 s2
+    ///           (rows 1 and 2 of the position in frame 1)
+    /// ```
     ///
-    /// Besides solving, on each branch: 8 multiplications, 6 additions, 1 sine-cosine pair.
+    /// Besides solving, on each branch: 4 multiplications, 4 additions, 1 sine-cosine pair.
     ///
     /// # Errors
     ///
@@ -268,13 +285,13 @@ impl CraneX7Planar {
     /// frame.
     #[must_use]
     pub fn with_tool(self, tool: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_tool(tool.into())
+        Mounted::new(self).with_tool(tool)
     }
 
     /// This arm on another frame: the pose (m) of the table's base frame in the world.
     #[must_use]
     pub fn with_base(self, base: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_base(base.into())
+        Mounted::new(self).with_base(base)
     }
 }
 
@@ -353,23 +370,22 @@ fn tool_point(q: &[f64; 2]) -> [f64; 3] {
 /// Every solution of `xy`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_xy(target: &Target) -> Result<Solutions<2>, IkError> {
-    const THETA1: Step = Step::new(0, 0b1, false, Measure::Area);
-    const THETA2: Step = Step::new(1, 0b10, false, Measure::Length);
+    const THETA2: Step = Step::new(0, 0b10, false, Measure::Area);
+    const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
 
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
     let mut search = Search::new(REACH, &WINDINGS);
-    let n1 = px * px + K2 + py * py - K3;
+    let n0 = px * px + py * py - K2 - K3;
 
-    // theta1: 2 a1 px c1 + 2 a1 py s1 = n1 (squared distance of the position from the origin of
-    // frame 1)
-    for theta1 in search.trig(THETA1, K1 * px, K1 * py, n1) {
-        let (s1, c1) = Float::sin_cos(theta1);
-        let x1 = px * c1 + py * s1 - A1;
-        let y1 = py * c1 - px * s1;
+    // theta2: 2 a1 a2 c2 = n0 (squared distance of the position from the origin of frame 0)
+    for theta2 in search.trig(THETA2, K1, 0.0, n0) {
+        let (s2, c2) = Float::sin_cos(theta2);
+        let x1 = A2 * c2 + A1;
+        let y1 = A2 * s2;
 
-        // theta2: a2 c2 = x1; a2 s2 = y1 (rows 1 and 2 of the position in frame 1)
-        for theta2 in search.trig_pair(THETA2, [A2, 0.0, x1], [0.0, A2, y1]) {
+        // theta1: px c1 + py s1 = x1; py c1 - px s1 = y1 (rows 1 and 2 of the position in frame 1)
+        for theta1 in search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]) {
             let q = [theta1, theta2];
             let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
             search.accept(q, position_error, rotation_error);
@@ -381,23 +397,22 @@ fn solve_xy(target: &Target) -> Result<Solutions<2>, IkError> {
 /// Every solution of `xy_elbow_up`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_xy_elbow_up(target: &Target) -> Result<Solutions<2>, IkError> {
-    const THETA1: Step = Step::new(0, 0b1, false, Measure::Area);
-    const THETA2: Step = Step::new(1, 0b10, false, Measure::Length);
+    const THETA2: Step = Step::new(0, 0b10, false, Measure::Area);
+    const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
 
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
     let mut search = Search::new(REACH, &WINDINGS);
-    let n1 = px * px + K2 + py * py - K3;
+    let n0 = px * px + py * py - K2 - K3;
 
-    // theta1: 2 a1 px c1 + 2 a1 py s1 = n1 (squared distance of the position from the origin of
-    // frame 1)
-    for theta1 in search.trig(THETA1, K1 * px, K1 * py, n1) {
-        let (s1, c1) = Float::sin_cos(theta1);
-        let x1 = px * c1 + py * s1 - A1;
-        let y1 = py * c1 - px * s1;
+    // theta2: 2 a1 a2 c2 = n0 (squared distance of the position from the origin of frame 0)
+    for theta2 in search.trig(THETA2, K1, 0.0, n0) {
+        let (s2, c2) = Float::sin_cos(theta2);
+        let x1 = A2 * c2 + A1;
+        let y1 = A2 * s2;
 
-        // theta2: a2 c2 = x1; a2 s2 = y1 (rows 1 and 2 of the position in frame 1)
-        for theta2 in search.trig_pair(THETA2, [A2, 0.0, x1], [0.0, A2, y1]) {
+        // theta1: px c1 + py s1 = x1; py c1 - px s1 = y1 (rows 1 and 2 of the position in frame 1)
+        for theta1 in search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]) {
             let q = [theta1, theta2];
             let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
             // where theta2 <= 0

@@ -37,9 +37,9 @@ const D1: f64 = 0.4; // link offset of joint 1, table line 11
 #[allow(clippy::approx_constant, reason = "as the table has it")]
 const A2: f64 = 0.3; // link length of joint 2, table line 17
 const A3: f64 = 0.25; // link length of joint 3, table line 22
-const K1: f64 = 0.8; // = 2 d1
-const K2: f64 = 0.09; // = a2^2
-const K3: f64 = 0.0625; // = a3^2
+const K1: f64 = 0.15; // = 2 a2 a3
+const K2: f64 = 0.0625; // = a3^2
+const K3: f64 = 0.09; // = a2^2
 const REACH: f64 = 0.95; // bound on the distance of the tool point
 /// Whole turns of joints that leave every frame where it is (rad).
 const WINDINGS: [Winding<'static>; 3] = [
@@ -67,7 +67,10 @@ impl Elbow3R {
     /// A hash of everything in the table that changes what is computed or sent.
     pub const FINGERPRINT: u64 = 0xe0cd_b3c0_69db_fa1d;
     /// The joints, in the order of `q` (rad).
-    #[allow(clippy::approx_constant, reason = "numbers of the table, as they were written")]
+    #[allow(
+        clippy::approx_constant,
+        reason = "numbers of the table, as they were written"
+    )]
     #[rustfmt::skip]
     pub const JOINTS: [Joint<'static>; 3] = [
         Joint::revolute("waist").with_limits(-2.967_059_728_390_36, 2.967_059_728_390_36),
@@ -169,14 +172,23 @@ impl Elbow3R {
     ///
     /// `position`: of the tool point in the base frame (m).
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta1: `py c1 - px s1 = 0` (row 3 of the position in frame 1)
-    /// - theta2: `a2 (2 px c1 + 2 s1 py) c2 + a2 (2 pz - 2 d1) s2 = -n2` (squared distance of the
-    ///   position from the origin of frame 2)
-    /// - theta3: `a3 c3 = x2; a3 s3 = -y2` (rows 1 and 2 of the position in frame 2)
+    /// ```text
+    /// theta3:   2 a2 a3 c3 = -n1
+    ///           n1 = d1 (2 pz - d1) - (px^2 + py^2 + pz^2 - a3^2 - a2^2)
+    ///           (squared distance of the position from the origin of frame 1)
+    /// theta2:   a3 s3 c2 + (a3 c3 + a2) s2 = z0
+    ///           z0 = pz - d1
+    ///           (row 3 of the position in frame 0)
+    /// theta1:   px c1 + py s1 = x1
+    ///           py c1 - px s1 = 0
+    ///           x1 = a2 c2 + a3 c23
+    ///           (rows 1 and 3 of the position in frame 1)
+    /// ```
     ///
-    /// Besides solving, on each branch: 17 multiplications, 13 additions, 2 sine-cosine pairs.
+    /// Besides solving, on each branch: 9 multiplications, 9 additions, 3 sine-cosine pairs (and 1
+    /// addition in their arguments).
     ///
     /// # Errors
     ///
@@ -222,14 +234,23 @@ impl Elbow3R {
     ///
     /// Where `theta3 <= 0`.
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta1: `py c1 - px s1 = 0` (row 3 of the position in frame 1)
-    /// - theta2: `a2 (2 px c1 + 2 s1 py) c2 + a2 (2 pz - 2 d1) s2 = -n2` (squared distance of the
-    ///   position from the origin of frame 2)
-    /// - theta3: `a3 c3 = x2; a3 s3 = -y2` (rows 1 and 2 of the position in frame 2)
+    /// ```text
+    /// theta3:   2 a2 a3 c3 = -n1
+    ///           n1 = d1 (2 pz - d1) - (px^2 + py^2 + pz^2 - a3^2 - a2^2)
+    ///           (squared distance of the position from the origin of frame 1)
+    /// theta2:   a3 s3 c2 + (a3 c3 + a2) s2 = z0
+    ///           z0 = pz - d1
+    ///           (row 3 of the position in frame 0)
+    /// theta1:   px c1 + py s1 = x1
+    ///           py c1 - px s1 = 0
+    ///           x1 = a2 c2 + a3 c23
+    ///           (rows 1 and 3 of the position in frame 1)
+    /// ```
     ///
-    /// Besides solving, on each branch: 17 multiplications, 13 additions, 2 sine-cosine pairs.
+    /// Besides solving, on each branch: 9 multiplications, 9 additions, 3 sine-cosine pairs (and 1
+    /// addition in their arguments).
     ///
     /// # Errors
     ///
@@ -275,13 +296,13 @@ impl Elbow3R {
     /// frame.
     #[must_use]
     pub fn with_tool(self, tool: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_tool(tool.into())
+        Mounted::new(self).with_tool(tool)
     }
 
     /// This arm on another frame: the pose (m) of the table's base frame in the world.
     #[must_use]
     pub fn with_base(self, base: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_base(base.into())
+        Mounted::new(self).with_base(base)
     }
 }
 
@@ -398,36 +419,29 @@ fn tool_point(q: &[f64; 3]) -> [f64; 3] {
 /// Every solution of `position`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_position(target: &Target) -> Result<Solutions<3>, IkError> {
-    const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
-    const THETA2: Step = Step::new(1, 0b10, false, Measure::Area);
-    const THETA3: Step = Step::new(2, 0b100, false, Measure::Length);
+    const THETA3: Step = Step::new(0, 0b100, false, Measure::Area);
+    const THETA2: Step = Step::new(1, 0b10, false, Measure::Length);
+    const THETA1: Step = Step::new(2, 0b1, false, Measure::Length);
 
     let target = target.validate_as(TargetKind::Position)?;
     let [px, py, pz] = target.numbers().array();
     let mut search = Search::new(REACH, &WINDINGS);
+    let n1 = D1 * (2.0 * pz - D1) - (px * px + py * py + pz * pz - K2 - K3);
 
-    // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
-    for theta1 in search.trig(THETA1, py, -px, 0.0) {
-        let (s1, c1) = Float::sin_cos(theta1);
-        let t1 = 2.0 * pz;
-        let n2 = D1 * (t1 - D1) - (px * px + py * py + pz * pz + K2 - K3);
+    // theta3: 2 a2 a3 c3 = -n1 (squared distance of the position from the origin of frame 1)
+    for theta3 in search.trig(THETA3, K1, 0.0, -n1) {
+        let (s3, c3) = Float::sin_cos(theta3);
+        let z0 = pz - D1;
 
-        // theta2: a2 (2 px c1 + 2 s1 py) c2 + a2 (2 pz - 2 d1) s2 = -n2 (squared distance of the
-        // position from the origin of frame 2)
-        for theta2 in search.trig(
-            THETA2,
-            A2 * (2.0 * px * c1 + s1 * (2.0 * py)),
-            A2 * (t1 - K1),
-            -n2,
-        ) {
-            let (s2, c2) = Float::sin_cos(theta2);
-            let t2 = pz - D1;
-            let t3 = px * c1 + py * s1;
-            let x2 = t2 * s2 + (c2 * t3 - A2);
-            let y2 = s2 * t3 - t2 * c2;
+        // theta2: a3 s3 c2 + (a3 c3 + a2) s2 = z0 (row 3 of the position in frame 0)
+        for theta2 in search.trig(THETA2, A3 * s3, A3 * c3 + A2, z0) {
+            let (_, c23) = Float::sin_cos(theta3 + theta2);
+            let (_, c2) = Float::sin_cos(theta2);
+            let x1 = A2 * c2 + A3 * c23;
 
-            // theta3: a3 c3 = x2; a3 s3 = -y2 (rows 1 and 2 of the position in frame 2)
-            for theta3 in search.trig_pair(THETA3, [A3, 0.0, x2], [0.0, A3, -y2]) {
+            // theta1: px c1 + py s1 = x1; py c1 - px s1 = 0
+            // (rows 1 and 3 of the position in frame 1)
+            for theta1 in search.trig_pair(THETA1, [px, py, x1], [py, -px, 0.0]) {
                 let q = [theta1, theta2, theta3];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                 search.accept(q, position_error, rotation_error);
@@ -440,36 +454,29 @@ fn solve_position(target: &Target) -> Result<Solutions<3>, IkError> {
 /// Every solution of `position_elbow_up`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_position_elbow_up(target: &Target) -> Result<Solutions<3>, IkError> {
-    const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
-    const THETA2: Step = Step::new(1, 0b10, false, Measure::Area);
-    const THETA3: Step = Step::new(2, 0b100, false, Measure::Length);
+    const THETA3: Step = Step::new(0, 0b100, false, Measure::Area);
+    const THETA2: Step = Step::new(1, 0b10, false, Measure::Length);
+    const THETA1: Step = Step::new(2, 0b1, false, Measure::Length);
 
     let target = target.validate_as(TargetKind::Position)?;
     let [px, py, pz] = target.numbers().array();
     let mut search = Search::new(REACH, &WINDINGS);
+    let n1 = D1 * (2.0 * pz - D1) - (px * px + py * py + pz * pz - K2 - K3);
 
-    // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
-    for theta1 in search.trig(THETA1, py, -px, 0.0) {
-        let (s1, c1) = Float::sin_cos(theta1);
-        let t1 = 2.0 * pz;
-        let n2 = D1 * (t1 - D1) - (px * px + py * py + pz * pz + K2 - K3);
+    // theta3: 2 a2 a3 c3 = -n1 (squared distance of the position from the origin of frame 1)
+    for theta3 in search.trig(THETA3, K1, 0.0, -n1) {
+        let (s3, c3) = Float::sin_cos(theta3);
+        let z0 = pz - D1;
 
-        // theta2: a2 (2 px c1 + 2 s1 py) c2 + a2 (2 pz - 2 d1) s2 = -n2 (squared distance of the
-        // position from the origin of frame 2)
-        for theta2 in search.trig(
-            THETA2,
-            A2 * (2.0 * px * c1 + s1 * (2.0 * py)),
-            A2 * (t1 - K1),
-            -n2,
-        ) {
-            let (s2, c2) = Float::sin_cos(theta2);
-            let t2 = pz - D1;
-            let t3 = px * c1 + py * s1;
-            let x2 = t2 * s2 + (c2 * t3 - A2);
-            let y2 = s2 * t3 - t2 * c2;
+        // theta2: a3 s3 c2 + (a3 c3 + a2) s2 = z0 (row 3 of the position in frame 0)
+        for theta2 in search.trig(THETA2, A3 * s3, A3 * c3 + A2, z0) {
+            let (_, c23) = Float::sin_cos(theta3 + theta2);
+            let (_, c2) = Float::sin_cos(theta2);
+            let x1 = A2 * c2 + A3 * c23;
 
-            // theta3: a3 c3 = x2; a3 s3 = -y2 (rows 1 and 2 of the position in frame 2)
-            for theta3 in search.trig_pair(THETA3, [A3, 0.0, x2], [0.0, A3, -y2]) {
+            // theta1: px c1 + py s1 = x1; py c1 - px s1 = 0
+            // (rows 1 and 3 of the position in frame 1)
+            for theta1 in search.trig_pair(THETA1, [px, py, x1], [py, -px, 0.0]) {
                 let q = [theta1, theta2, theta3];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                 // where theta3 <= 0

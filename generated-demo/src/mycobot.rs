@@ -203,13 +203,19 @@ impl MyCobot280Pi {
     ///
     /// With `theta4 = pi/2 - theta2 - theta3`, `theta5 = -pi/2`, `theta6 = theta1`.
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta1: `py c1 - px s1 = -d4` (row 3 of the position in frame 1)
-    /// - theta3: `2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2` (squares of rows 1 and 2 of the position
-    ///   in frame 1)
-    /// - theta2: `(a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0` (rows 1 and 2
-    ///   of the position in frame 1)
+    /// ```text
+    /// theta1:   py c1 - px s1 = -d4
+    ///           (row 3 of the position in frame 1)
+    /// theta3:   2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
+    ///           z0 = pz + d6 - d1
+    ///           x1 = px c1 + py s1 - d5
+    ///           (squares of rows 1 and 2 of the position in frame 1)
+    /// theta2:   (a3 c3 + a2) c2 - a3 s3 s2 = x1
+    ///           a3 s3 c2 + (a3 c3 + a2) s2 = z0
+    ///           (rows 1 and 2 of the position in frame 1)
+    /// ```
     ///
     /// Besides solving, on each branch: 6 multiplications, 8 additions, 2 sine-cosine pairs.
     ///
@@ -258,13 +264,19 @@ impl MyCobot280Pi {
     /// With `theta4 = pi/2 - theta2 - theta3`, `theta5 = -pi/2`, `theta6 = theta1`, where `theta3
     /// <= 0`.
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta1: `py c1 - px s1 = -d4` (row 3 of the position in frame 1)
-    /// - theta3: `2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2` (squares of rows 1 and 2 of the position
-    ///   in frame 1)
-    /// - theta2: `(a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0` (rows 1 and 2
-    ///   of the position in frame 1)
+    /// ```text
+    /// theta1:   py c1 - px s1 = -d4
+    ///           (row 3 of the position in frame 1)
+    /// theta3:   2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
+    ///           z0 = pz + d6 - d1
+    ///           x1 = px c1 + py s1 - d5
+    ///           (squares of rows 1 and 2 of the position in frame 1)
+    /// theta2:   (a3 c3 + a2) c2 - a3 s3 s2 = x1
+    ///           a3 s3 c2 + (a3 c3 + a2) s2 = z0
+    ///           (rows 1 and 2 of the position in frame 1)
+    /// ```
     ///
     /// Besides solving, on each branch: 6 multiplications, 8 additions, 2 sine-cosine pairs.
     ///
@@ -312,13 +324,13 @@ impl MyCobot280Pi {
     /// frame.
     #[must_use]
     pub fn with_tool(self, tool: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_tool(tool.into())
+        Mounted::new(self).with_tool(tool)
     }
 
     /// This arm on another frame: the pose (m) of the table's base frame in the world.
     #[must_use]
     pub fn with_base(self, base: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_base(base.into())
+        Mounted::new(self).with_base(base)
     }
 }
 
@@ -588,15 +600,15 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
         let z0 = pz + D6 - D1;
         let x1 = px * c1 + py * s1 - D5;
 
-        // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2 (squares of rows 1 and 2 of the position
-        // in frame 1)
+        // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
+        // (squares of rows 1 and 2 of the position in frame 1)
         for theta3 in search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3) {
             let (s3, c3) = Float::sin_cos(theta3);
             let t1 = A3 * c3 + A2;
             let t2 = A3 * s3;
 
-            // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0 (rows 1 and
-            // 2 of the position in frame 1)
+            // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0
+            // (rows 1 and 2 of the position in frame 1)
             for theta2 in search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]) {
                 let q = [
                     theta1,
@@ -631,15 +643,15 @@ fn solve_tool_down_elbow_up(target: &Target) -> Result<Solutions<6>, IkError> {
         let z0 = pz + D6 - D1;
         let x1 = px * c1 + py * s1 - D5;
 
-        // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2 (squares of rows 1 and 2 of the position
-        // in frame 1)
+        // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
+        // (squares of rows 1 and 2 of the position in frame 1)
         for theta3 in search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3) {
             let (s3, c3) = Float::sin_cos(theta3);
             let t1 = A3 * c3 + A2;
             let t2 = A3 * s3;
 
-            // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0 (rows 1 and
-            // 2 of the position in frame 1)
+            // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0
+            // (rows 1 and 2 of the position in frame 1)
             for theta2 in search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]) {
                 let q = [
                     theta1,

@@ -219,14 +219,23 @@ impl Panda {
     ///
     /// With `q3 = 0`, `q5 = 0`, `q6 = q2 - q4`.
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta1: `py c1 - px s1 = 0` (row 3 of the position in frame 1)
-    /// - theta7: `c1 c7 + s1 s7 = cyaw; s1 c7 - c1 s7 = syaw` (cosine of the yaw; sine of the yaw)
-    /// - theta4: `(2 d3 d5 + 2 a4 a5) c4 + (2 d3 a5 - 2 a4 d5) s4 = z0^2 + x1^2 - d5^2 - a5^2 -
-    ///   a4^2 - d3^2` (squares of rows 1 and 2 of the position in frame 1)
-    /// - theta2: `(d5 s4 - a4 - a5 c4) c2 - (d5 c4 + d3 + a5 s4) s2 = -x1; (d5 c4 + d3 + a5 s4) c2
-    ///   + (d5 s4 - a4 - a5 c4) s2 = z0` (rows 1 and 2 of the position in frame 1)
+    /// ```text
+    /// theta1:   py c1 - px s1 = 0
+    ///           (row 3 of the position in frame 1)
+    /// theta7:   c1 c7 + s1 s7 = cyaw
+    ///           s1 c7 - c1 s7 = syaw
+    ///           (cosine of the yaw; sine of the yaw)
+    /// theta4:   (2 d3 d5 + 2 a4 a5) c4 + (2 d3 a5 - 2 a4 d5) s4 = z0^2 + x1^2 - d5^2 - a5^2 -
+    ///           a4^2 - d3^2
+    ///           z0 = pz + d7 - d1
+    ///           x1 = px c1 + py s1 - a7
+    ///           (squares of rows 1 and 2 of the position in frame 1)
+    /// theta2:   (d5 s4 - a4 - a5 c4) c2 - (d5 c4 + d3 + a5 s4) s2 = -x1
+    ///           (d5 c4 + d3 + a5 s4) c2 + (d5 s4 - a4 - a5 c4) s2 = z0
+    ///           (rows 1 and 2 of the position in frame 1)
+    /// ```
     ///
     /// Besides solving, on each branch: 8 multiplications, 13 additions, 2 sine-cosine pairs.
     ///
@@ -238,7 +247,10 @@ impl Panda {
         position: &Point3<f64>,
         yaw: f64,
     ) -> Result<Solutions<7>, IkError> {
-        solve_tool_down(&Target::PositionYaw { position: (*position).into(), yaw })
+        solve_tool_down(&Target::PositionYaw {
+            position: (*position).into(),
+            yaw,
+        })
     }
 
     /// The solutions of the table's problem `tool_down` that whole turns bring inside the limits
@@ -277,13 +289,13 @@ impl Panda {
     /// frame.
     #[must_use]
     pub fn with_tool(self, tool: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_tool(tool.into())
+        Mounted::new(self).with_tool(tool)
     }
 
     /// This arm on another frame: the pose (m) of the table's base frame in the world.
     #[must_use]
     pub fn with_base(self, base: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_base(base.into())
+        Mounted::new(self).with_base(base)
     }
 }
 
@@ -635,7 +647,7 @@ fn tool_point(q: &[f64; 7]) -> [f64; 3] {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_tool_down(target: &Target) -> Result<Solutions<7>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
-    const THETA7: Step = Step::new(1, 0b1000000, false, Measure::Ratio);
+    const THETA7: Step = Step::new(1, 0b100_0000, false, Measure::Ratio);
     const THETA4: Step = Step::new(2, 0b1000, false, Measure::Area);
     const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
 
@@ -653,14 +665,16 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<7>, IkError> {
             let x1 = px * c1 + py * s1 - A7;
 
             // theta4: (2 d3 d5 + 2 a4 a5) c4 + (2 d3 a5 - 2 a4 d5) s4 = z0^2 + x1^2 - d5^2 - a5^2 -
-            // a4^2 - d3^2 (squares of rows 1 and 2 of the position in frame 1)
+            // a4^2 - d3^2
+            // (squares of rows 1 and 2 of the position in frame 1)
             for theta4 in search.trig(THETA4, K1, K2, z0 * z0 + x1 * x1 - K3 - K4 - K5 - K6) {
                 let (s4, c4) = Float::sin_cos(theta4);
                 let t1 = D5 * s4 - A4 - A5 * c4;
                 let t2 = D5 * c4 + D3 + A5 * s4;
 
                 // theta2: (d5 s4 - a4 - a5 c4) c2 - (d5 c4 + d3 + a5 s4) s2 = -x1; (d5 c4 + d3 + a5
-                // s4) c2 + (d5 s4 - a4 - a5 c4) s2 = z0 (rows 1 and 2 of the position in frame 1)
+                // s4) c2 + (d5 s4 - a4 - a5 c4) s2 = z0
+                // (rows 1 and 2 of the position in frame 1)
                 for theta2 in search.trig_pair(THETA2, [t1, -t2, -x1], [t2, t1, z0]) {
                     let q = [theta1, theta2, 0.0, theta4, 0.0, -theta4 + theta2, theta7];
                     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));

@@ -44,11 +44,12 @@ const D3: f64 = 0.150_05; // link offset of joint 3, table line 23
 const A3: f64 = 0.0203; // link length of joint 3, table line 23
 #[allow(clippy::approx_constant, reason = "as the table has it")]
 const D4: f64 = 0.4318; // link offset of joint 4, table line 30
-const K1: f64 = 1.344; // = 2 d1
-const K2: f64 = 0.186_451_240_000_000_02; // = a2^2
+const K1: f64 = 0.017_531_08; // = 2 a2 a3
+const K2: f64 = 0.372_902_480_000_000_04; // = 2 a2 d4
 const K3: f64 = 0.186_451_240_000_000_02; // = d4^2
 const K4: f64 = 0.000_412_089_999_999_999_94; // = a3^2
 const K5: f64 = 0.022_515_002_499_999_996; // = d3^2
+const K6: f64 = 0.186_451_240_000_000_02; // = a2^2
 const REACH: f64 = 1.687_016_949_183_372_6; // bound on the distance of the tool point
 /// Whole turns of joints that leave every frame where it is (rad).
 const WINDINGS: [Winding<'static>; 6] = [
@@ -189,17 +190,26 @@ impl Puma560 {
     ///
     /// With `q4 = 0`, `q5 = -pi - q2 - q3`.
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta1: `py c1 - px s1 = -d3` (row 3 of the position in frame 1)
-    /// - theta6: `c1 c6 + s1 s6 = -cyaw; s1 c6 - c1 s6 = -syaw` (cosine of the yaw; sine of the
-    ///   yaw)
-    /// - theta2: `a2 (2 c1 px + 2 s1 py) c2 + a2 (2 pz - 2 d1) s2 = -n2` (squared distance of the
-    ///   position from the origin of frame 2)
-    /// - theta3: `a3 c3 - d4 s3 = x2; d4 c3 + a3 s3 = -y2` (rows 1 and 2 of the position in frame
-    ///   2)
+    /// ```text
+    /// theta3:   2 a2 a3 c3 - 2 a2 d4 s3 = -n1
+    ///           n1 = d1 (2 pz - d1) - (px^2 + py^2 + pz^2 - d4^2 - a3^2 - d3^2 - a2^2)
+    ///           (squared distance of the position from the origin of frame 1)
+    /// theta2:   (d4 c3 + a3 s3) c2 - (d4 s3 - a2 - a3 c3) s2 = z0
+    ///           z0 = pz - d1
+    ///           (row 3 of the position in frame 0)
+    /// theta1:   px c1 + py s1 = -x1
+    ///           py c1 - px s1 = -d3
+    ///           x1 = d4 s23 - a2 c2 - a3 c23
+    ///           (rows 1 and 3 of the position in frame 1)
+    /// theta6:   c1 c6 + s1 s6 = -cyaw
+    ///           s1 c6 - c1 s6 = -syaw
+    ///           (cosine of the yaw; sine of the yaw)
+    /// ```
     ///
-    /// Besides solving, on each branch: 17 multiplications, 15 additions, 2 sine-cosine pairs.
+    /// Besides solving, on each branch: 12 multiplications, 14 additions, 4 sine-cosine pairs (and
+    /// 1 addition in their arguments).
     ///
     /// # Errors
     ///
@@ -209,7 +219,10 @@ impl Puma560 {
         position: &Point3<f64>,
         yaw: f64,
     ) -> Result<Solutions<6>, IkError> {
-        solve_tool_down(&Target::PositionYaw { position: (*position).into(), yaw })
+        solve_tool_down(&Target::PositionYaw {
+            position: (*position).into(),
+            yaw,
+        })
     }
 
     /// The solutions of the table's problem `tool_down` that whole turns bring inside the limits
@@ -248,13 +261,13 @@ impl Puma560 {
     /// frame.
     #[must_use]
     pub fn with_tool(self, tool: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_tool(tool.into())
+        Mounted::new(self).with_tool(tool)
     }
 
     /// This arm on another frame: the pose (m) of the table's base frame in the world.
     #[must_use]
     pub fn with_base(self, base: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_base(base.into())
+        Mounted::new(self).with_base(base)
     }
 }
 
@@ -490,42 +503,38 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 /// Every solution of `tool_down`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
-    const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
-    const THETA6: Step = Step::new(1, 0b100000, false, Measure::Ratio);
-    const THETA2: Step = Step::new(2, 0b10, false, Measure::Area);
-    const THETA3: Step = Step::new(3, 0b100, false, Measure::Length);
+    const THETA3: Step = Step::new(0, 0b100, false, Measure::Area);
+    const THETA2: Step = Step::new(1, 0b10, false, Measure::Length);
+    const THETA1: Step = Step::new(2, 0b1, false, Measure::Length);
+    const THETA6: Step = Step::new(3, 0b10_0000, false, Measure::Ratio);
 
     let target = target.validate_as(TargetKind::PositionYaw)?;
     let [px, py, pz, cyaw, syaw] = target.numbers().array();
     let mut search = Search::new(REACH, &WINDINGS);
+    let n1 = D1 * (2.0 * pz - D1) - (px * px + py * py + pz * pz - K3 - K4 - K5 - K6);
 
-    // theta1: py c1 - px s1 = -d3 (row 3 of the position in frame 1)
-    for theta1 in search.trig(THETA1, py, -px, -D3) {
-        let (s1, c1) = Float::sin_cos(theta1);
+    // theta3: 2 a2 a3 c3 - 2 a2 d4 s3 = -n1
+    // (squared distance of the position from the origin of frame 1)
+    for theta3 in search.trig(THETA3, K1, -K2, -n1) {
+        let (s3, c3) = Float::sin_cos(theta3);
+        let z0 = pz - D1;
 
-        // theta6: c1 c6 + s1 s6 = -cyaw; s1 c6 - c1 s6 = -syaw (cosine of the yaw; sine of the yaw)
-        for theta6 in search.trig_pair(THETA6, [c1, s1, -cyaw], [s1, -c1, -syaw]) {
-            let t1 = 2.0 * pz;
-            let n2 = D1 * (t1 - D1) - (px * px + py * py + pz * pz + K2 - K3 - K4 - K5);
+        // theta2: (d4 c3 + a3 s3) c2 - (d4 s3 - a2 - a3 c3) s2 = z0
+        // (row 3 of the position in frame 0)
+        for theta2 in search.trig(THETA2, D4 * c3 + A3 * s3, A3 * c3 - (D4 * s3 - A2), z0) {
+            let (s23, c23) = Float::sin_cos(theta3 + theta2);
+            let (_, c2) = Float::sin_cos(theta2);
+            let x1 = D4 * s23 - A2 * c2 - A3 * c23;
 
-            // theta2: a2 (2 c1 px + 2 s1 py) c2 + a2 (2 pz - 2 d1) s2 = -n2 (squared distance of
-            // the position from the origin of frame 2)
-            for theta2 in search.trig(
-                THETA2,
-                A2 * (c1 * (2.0 * px) + s1 * (2.0 * py)),
-                A2 * (t1 - K1),
-                -n2,
-            ) {
-                let (s2, c2) = Float::sin_cos(theta2);
-                let t2 = pz - D1;
-                let t3 = px * c1 + py * s1;
-                let x2 = t2 * s2 + (c2 * t3 - A2);
-                let y2 = s2 * t3 - t2 * c2;
+            // theta1: px c1 + py s1 = -x1; py c1 - px s1 = -d3
+            // (rows 1 and 3 of the position in frame 1)
+            for theta1 in search.trig_pair(THETA1, [px, py, -x1], [py, -px, -D3]) {
+                let (s1, c1) = Float::sin_cos(theta1);
 
-                // theta3: a3 c3 - d4 s3 = x2; d4 c3 + a3 s3 = -y2 (rows 1 and 2 of the position in
-                // frame 2)
-                for theta3 in search.trig_pair(THETA3, [A3, -D4, x2], [D4, A3, -y2]) {
-                    let q = [theta1, theta2, theta3, 0.0, -theta2 - theta3 - PI, theta6];
+                // theta6: c1 c6 + s1 s6 = -cyaw; s1 c6 - c1 s6 = -syaw
+                // (cosine of the yaw; sine of the yaw)
+                for theta6 in search.trig_pair(THETA6, [c1, s1, -cyaw], [s1, -c1, -syaw]) {
+                    let q = [theta1, theta2, theta3, 0.0, -theta3 - theta2 - PI, theta6];
                     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                     search.accept(q, position_error, rotation_error);
                 }

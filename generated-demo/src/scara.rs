@@ -37,9 +37,11 @@ pub struct Cobra600;
 const D1: f64 = 0.387; // link offset of joint 1, table line 11
 const A1: f64 = 0.325; // link length of joint 1, table line 11
 const A2: f64 = 0.275; // link length of joint 2, table line 17
-const K1: f64 = 0.65; // = 2 a1
-const K2: f64 = 0.105_625_000_000_000_01; // = a1^2
+const K1: f64 = 0.178_750_000_000_000_02; // = 2 a1 a2
+const K2: f64 = 0.774; // = 2 d1
 const K3: f64 = 0.075_625_000_000_000_01; // = a2^2
+const K4: f64 = 0.105_625_000_000_000_01; // = a1^2
+const K5: f64 = 0.149_769; // = d1^2
 const REACH: f64 = 0.990_365_214_473_651_7; // bound on the distance of the tool point
 /// Whole turns of joints that leave every frame where it is (rad).
 const WINDINGS: [Winding<'static>; 3] = [
@@ -172,23 +174,37 @@ impl Cobra600 {
     /// `position`: of the tool point in the base frame (m), `yaw`: turn of the tool's x axis about
     /// base z (rad).
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - d3: `d3 = -z0` (row 3 of the position in frame 0)
-    /// - theta1: `2 a1 px c1 + 2 a1 py s1 = -n1_2` (squared distance of the position from the
-    ///   origin of frame 1)
-    /// - theta2: `a2 c2 = x1; a2 s2 = y1` (rows 1 and 2 of the position in frame 1)
-    /// - theta4: `c12 c4 + s12 s4 = cyaw; s12 c4 - c12 s4 = syaw` (cosine of the yaw; sine of the
-    ///   yaw)
+    /// ```text
+    /// d3:       d3 = -z0
+    ///           z0 = pz - d1
+    ///           (row 3 of the position in frame 0)
+    /// theta2:   2 a1 a2 c2 = -n0_2
+    ///           n0 = px^2 + py^2 + pz^2 - a2^2 - a1^2 - d1^2
+    ///           n0_2 = d3 (d3 - 2 d1) - n0
+    ///           (squared distance of the position from the origin of frame 0)
+    /// theta1:   px c1 + py s1 = x1
+    ///           py c1 - px s1 = y1
+    ///           x1 = a2 c2 + a1
+    ///           y1 = a2 s2
+    ///           (rows 1 and 2 of the position in frame 1)
+    /// theta4:   c12 c4 + s12 s4 = cyaw
+    ///           s12 c4 - c12 s4 = syaw
+    ///           (cosine of the yaw; sine of the yaw)
+    /// ```
     ///
-    /// Besides solving, on each branch: 12 multiplications, 11 additions, 2 sine-cosine pairs (and
-    /// 1 addition in their arguments).
+    /// Besides solving, on each branch: 6 multiplications, 9 additions, 2 sine-cosine pairs (and 1
+    /// addition in their arguments).
     ///
     /// # Errors
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_place(&self, position: &Point3<f64>, yaw: f64) -> Result<Solutions<4>, IkError> {
-        solve_place(&Target::PositionYaw { position: (*position).into(), yaw })
+        solve_place(&Target::PositionYaw {
+            position: (*position).into(),
+            yaw,
+        })
     }
 
     /// The solutions of the table's problem `place` that whole turns bring inside the limits and no
@@ -226,13 +242,13 @@ impl Cobra600 {
     /// frame.
     #[must_use]
     pub fn with_tool(self, tool: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_tool(tool.into())
+        Mounted::new(self).with_tool(tool)
     }
 
     /// This arm on another frame: the pose (m) of the table's base frame in the world.
     #[must_use]
     pub fn with_base(self, base: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_base(base.into())
+        Mounted::new(self).with_base(base)
     }
 }
 
@@ -341,8 +357,8 @@ fn tool_point(q: &[f64; 4]) -> [f64; 3] {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
     const D3: Step = Step::new(0, 0b100, true, Measure::Length);
-    const THETA1: Step = Step::new(1, 0b1, false, Measure::Area);
-    const THETA2: Step = Step::new(2, 0b10, false, Measure::Length);
+    const THETA2: Step = Step::new(1, 0b10, false, Measure::Area);
+    const THETA1: Step = Step::new(2, 0b1, false, Measure::Length);
     const THETA4: Step = Step::new(3, 0b1000, false, Measure::Ratio);
 
     let target = target.validate_as(TargetKind::PositionYaw)?;
@@ -352,22 +368,22 @@ fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
 
     // d3: d3 = -z0 (row 3 of the position in frame 0)
     for d3 in search.linear(D3, 1.0, -z0) {
-        let n1 = D1 * (2.0 * pz - D1) - (px * px + py * py + pz * pz + K2 - K3);
-        let n1_2 = n1 + d3 * d3;
+        let n0 = px * px + py * py + pz * pz - K3 - K4 - K5;
+        let n0_2 = d3 * (d3 - K2) - n0;
 
-        // theta1: 2 a1 px c1 + 2 a1 py s1 = -n1_2 (squared distance of the position from the origin
-        // of frame 1)
-        for theta1 in search.trig(THETA1, K1 * px, K1 * py, -n1_2) {
-            let (s1, c1) = Float::sin_cos(theta1);
-            let x1 = px * c1 + py * s1 - A1;
-            let y1 = py * c1 - px * s1;
+        // theta2: 2 a1 a2 c2 = -n0_2 (squared distance of the position from the origin of frame 0)
+        for theta2 in search.trig(THETA2, K1, 0.0, -n0_2) {
+            let (s2, c2) = Float::sin_cos(theta2);
+            let x1 = A2 * c2 + A1;
+            let y1 = A2 * s2;
 
-            // theta2: a2 c2 = x1; a2 s2 = y1 (rows 1 and 2 of the position in frame 1)
-            for theta2 in search.trig_pair(THETA2, [A2, 0.0, x1], [0.0, A2, y1]) {
-                let (s12, c12) = Float::sin_cos(theta1 + theta2);
+            // theta1: px c1 + py s1 = x1; py c1 - px s1 = y1
+            // (rows 1 and 2 of the position in frame 1)
+            for theta1 in search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]) {
+                let (s12, c12) = Float::sin_cos(theta2 + theta1);
 
-                // theta4: c12 c4 + s12 s4 = cyaw; s12 c4 - c12 s4 = syaw (cosine of the yaw; sine
-                // of the yaw)
+                // theta4: c12 c4 + s12 s4 = cyaw; s12 c4 - c12 s4 = syaw
+                // (cosine of the yaw; sine of the yaw)
                 for theta4 in search.trig_pair(THETA4, [c12, s12, cyaw], [s12, -c12, syaw]) {
                     let q = [theta1, theta2, d3, theta4];
                     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));

@@ -95,7 +95,10 @@ impl UArmSwiftPro {
         windings: &WINDINGS,
     };
     /// Named joint poses of the table (rad, m).
-    #[allow(clippy::approx_constant, reason = "numbers of the table, as they were written")]
+    #[allow(
+        clippy::approx_constant,
+        reason = "numbers of the table, as they were written"
+    )]
     #[rustfmt::skip]
     pub const POSES: [NamedPose<'static>; 2] = [
         NamedPose::new("reference", &[FRAC_PI_2, 0.577_375_581_258_067_9, 1.521_541_686_680_337_3, FRAC_PI_2]),
@@ -181,14 +184,22 @@ impl UArmSwiftPro {
     /// `position`: of the tool point in the base frame (m), `yaw`: turn of the tool's x axis about
     /// base z (rad).
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta1: `py c1 - px s1 = 0` (row 3 of the position in frame 1)
-    /// - theta5: `c1 c5 + s1 s5 = cyaw; s1 c5 - c1 s5 = syaw` (cosine of the yaw; sine of the yaw)
-    /// - theta3: `2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2` (squares of rows 1 and 2 of the position
-    ///   in frame 1)
-    /// - theta2: `(a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0` (rows 1 and 2
-    ///   of the position in frame 1)
+    /// ```text
+    /// theta1:   py c1 - px s1 = 0
+    ///           (row 3 of the position in frame 1)
+    /// theta5:   c1 c5 + s1 s5 = cyaw
+    ///           s1 c5 - c1 s5 = syaw
+    ///           (cosine of the yaw; sine of the yaw)
+    /// theta3:   2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
+    ///           z0 = pz + d5 - d1
+    ///           x1 = px c1 + py s1 - a4 - a1
+    ///           (squares of rows 1 and 2 of the position in frame 1)
+    /// theta2:   (a3 c3 + a2) c2 - a3 s3 s2 = x1
+    ///           a3 s3 c2 + (a3 c3 + a2) s2 = z0
+    ///           (rows 1 and 2 of the position in frame 1)
+    /// ```
     ///
     /// Besides solving, on each branch: 6 multiplications, 9 additions, 2 sine-cosine pairs.
     ///
@@ -196,7 +207,10 @@ impl UArmSwiftPro {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_place(&self, position: &Point3<f64>, yaw: f64) -> Result<Solutions<4>, IkError> {
-        solve_place(&Target::PositionYaw { position: (*position).into(), yaw })
+        solve_place(&Target::PositionYaw {
+            position: (*position).into(),
+            yaw,
+        })
     }
 
     /// The solutions of the table's problem `place` that whole turns bring inside the limits and no
@@ -233,13 +247,13 @@ impl UArmSwiftPro {
     /// frame.
     #[must_use]
     pub fn with_tool(self, tool: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_tool(tool.into())
+        Mounted::new(self).with_tool(tool)
     }
 
     /// This arm on another frame: the pose (m) of the table's base frame in the world.
     #[must_use]
     pub fn with_base(self, base: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_base(base.into())
+        Mounted::new(self).with_base(base)
     }
 }
 
@@ -390,7 +404,7 @@ fn tool_point(q: &[f64; 4]) -> [f64; 3] {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
-    const THETA5: Step = Step::new(1, 0b10000, false, Measure::Ratio);
+    const THETA5: Step = Step::new(1, 0b1_0000, false, Measure::Ratio);
     const THETA3: Step = Step::new(2, 0b100, false, Measure::Area);
     const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
 
@@ -407,15 +421,15 @@ fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
             let z0 = pz + D5 - D1;
             let x1 = px * c1 + py * s1 - A4 - A1;
 
-            // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2 (squares of rows 1 and 2 of the
-            // position in frame 1)
+            // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
+            // (squares of rows 1 and 2 of the position in frame 1)
             for theta3 in search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3) {
                 let (s3, c3) = Float::sin_cos(theta3);
                 let t1 = A3 * c3 + A2;
                 let t2 = A3 * s3;
 
-                // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0 (rows 1
-                // and 2 of the position in frame 1)
+                // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0
+                // (rows 1 and 2 of the position in frame 1)
                 for theta2 in search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]) {
                     let q = [
                         theta1 + FRAC_PI_2,

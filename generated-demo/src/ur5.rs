@@ -186,14 +186,22 @@ impl UR5 {
     ///
     /// With `theta4 = -pi/2 - theta2 - theta3`, `theta5 = -pi/2`.
     ///
-    /// Solved step by step:
+    /// Solved one after the other:
     ///
-    /// - theta1: `py c1 - px s1 = -d4` (row 3 of the position in frame 1)
-    /// - theta6: `s1 c6 - c1 s6 = -cyaw; c1 c6 + s1 s6 = syaw` (cosine of the yaw; sine of the yaw)
-    /// - theta3: `2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2` (squares of rows 1 and 2 of the position
-    ///   in frame 1)
-    /// - theta2: `(a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0` (rows 1 and 2
-    ///   of the position in frame 1)
+    /// ```text
+    /// theta1:   py c1 - px s1 = -d4
+    ///           (row 3 of the position in frame 1)
+    /// theta6:   s1 c6 - c1 s6 = -cyaw
+    ///           c1 c6 + s1 s6 = syaw
+    ///           (cosine of the yaw; sine of the yaw)
+    /// theta3:   2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
+    ///           z0 = pz + d6 - d1
+    ///           x1 = px c1 + d5 + py s1
+    ///           (squares of rows 1 and 2 of the position in frame 1)
+    /// theta2:   (a3 c3 + a2) c2 - a3 s3 s2 = x1
+    ///           a3 s3 c2 + (a3 c3 + a2) s2 = z0
+    ///           (rows 1 and 2 of the position in frame 1)
+    /// ```
     ///
     /// Besides solving, on each branch: 6 multiplications, 8 additions, 2 sine-cosine pairs.
     ///
@@ -205,7 +213,10 @@ impl UR5 {
         position: &Point3<f64>,
         yaw: f64,
     ) -> Result<Solutions<6>, IkError> {
-        solve_tool_down(&Target::PositionYaw { position: (*position).into(), yaw })
+        solve_tool_down(&Target::PositionYaw {
+            position: (*position).into(),
+            yaw,
+        })
     }
 
     /// The solutions of the table's problem `tool_down` that whole turns bring inside the limits
@@ -244,13 +255,13 @@ impl UR5 {
     /// frame.
     #[must_use]
     pub fn with_tool(self, tool: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_tool(tool.into())
+        Mounted::new(self).with_tool(tool)
     }
 
     /// This arm on another frame: the pose (m) of the table's base frame in the world.
     #[must_use]
     pub fn with_base(self, base: &Pose) -> Mounted<Self> {
-        Mounted::new(self).with_base(base.into())
+        Mounted::new(self).with_base(base)
     }
 }
 
@@ -487,7 +498,7 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
-    const THETA6: Step = Step::new(1, 0b100000, false, Measure::Ratio);
+    const THETA6: Step = Step::new(1, 0b10_0000, false, Measure::Ratio);
     const THETA3: Step = Step::new(2, 0b100, false, Measure::Area);
     const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
 
@@ -504,15 +515,15 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
             let z0 = pz + D6 - D1;
             let x1 = px * c1 + D5 + py * s1;
 
-            // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2 (squares of rows 1 and 2 of the
-            // position in frame 1)
+            // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
+            // (squares of rows 1 and 2 of the position in frame 1)
             for theta3 in search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3) {
                 let (s3, c3) = Float::sin_cos(theta3);
                 let t1 = A3 * c3 + A2;
                 let t2 = A3 * s3;
 
-                // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0 (rows 1
-                // and 2 of the position in frame 1)
+                // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0
+                // (rows 1 and 2 of the position in frame 1)
                 for theta2 in search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]) {
                     let q = [
                         theta1,
