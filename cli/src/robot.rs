@@ -7,7 +7,7 @@ use dh_codegen::diagnostic::{Diagnostics, Severity, Style};
 use dh_codegen::model::Model;
 use dh_codegen::plan::eval::{PlanError, Program};
 use dh_codegen::verify::Level;
-use dh_codegen::{Options, Output, compile};
+use dh_codegen::{Output, compile};
 
 /// A robot that can be computed.
 #[derive(Debug)]
@@ -27,7 +27,7 @@ impl Robot {
     /// Its mistakes, drawn.
     pub(crate) fn load(table: &str, level: Level) -> Result<Robot, Failure> {
         let source = Source::for_command_line(table).map_err(|error| missing(&error))?;
-        let compilation = compile(&source.text, &Options { level });
+        let compilation = compile(&source.text, level);
         let diagnostics = compilation.diagnostics;
         match compilation.output {
             Some(output) if !diagnostics.has_errors() => Ok(Robot { source, diagnostics, output }),
