@@ -7,3 +7,5 @@
 
 /// Rust: a file for `dhc generate` and build scripts, or items for a struct that carries the attribute.
 pub mod rust;
+/// Plain text: the equations as a textbook writes them.
+pub mod text;

@@ -58,7 +58,9 @@ pub fn compile(text: &str, level: Level) -> Compilation {
         Some(model) if !diagnostics.has_errors() => {
             let (plan, unsolved) = plan::build(&model);
             for problem in &unsolved {
-                diagnostics.push(not_solved(&model, problem));
+                if let Some(diagnostic) = not_solved(&model, problem) {
+                    diagnostics.push(diagnostic);
+                }
             }
             let (plan, report) = verify::verify(&model, plan, level, &mut diagnostics);
             Some(Output { model, plan, report, unsolved })
@@ -76,13 +78,11 @@ fn outline(model: &Model) -> Outline {
 }
 
 /// A problem without a closed form has no function; the rest of the arm is not at fault.
-fn not_solved(model: &Model, unsolved: &Unsolved) -> Diagnostic {
-    let Some(problem) = model.problems.get(unsolved.problem) else {
-        return Diagnostic::warning(catalogue::NO_CLOSED_FORM, unsolved.refusal.text());
-    };
+fn not_solved(model: &Model, unsolved: &Unsolved) -> Option<Diagnostic> {
+    let problem = model.problems.get(unsolved.problem)?;
     let (name, why) = (&problem.name, unsolved.refusal.text());
     let message = format!("there is no `ik_{name}`: {why}");
-    Diagnostic::warning(catalogue::NO_CLOSED_FORM, message).at(problem.span.clone(), "this problem").help(
+    Some(Diagnostic::warning(catalogue::NO_CLOSED_FORM, message).at(problem.span.clone(), "this problem").help(
         "hold further joints by constraints, or prescribe a target that the joints left can reach one after the other",
-    )
+    ))
 }

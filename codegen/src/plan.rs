@@ -3,6 +3,7 @@
 //! A plan holds no tokens and no language, and nothing in it assumes f64. Printers (`emit`) and the interpreter
 //! (`plan::eval`) walk it and decide nothing.
 
+mod dimension;
 /// The interpreter.
 pub mod eval;
 #[cfg(test)]

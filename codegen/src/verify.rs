@@ -25,6 +25,7 @@ mod mutations;
 mod tests;
 
 pub use report::{FunctionReport, InverseReport, Report};
+pub use singular_values::singular_values;
 
 use crate::diagnostic::catalogue::VERIFICATION;
 use crate::diagnostic::{Diagnostic, Diagnostics};

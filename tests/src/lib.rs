@@ -12,3 +12,8 @@ pub mod expression;
 pub mod matrix;
 pub mod oracle;
 pub mod random;
+
+/// The example of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;

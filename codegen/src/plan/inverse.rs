@@ -2,7 +2,7 @@
 
 use super::schedule::{Constants, Scheduler};
 use super::{Equation, Function, FunctionKind, Measure, Scalar, Stage, Step};
-use crate::model::{JointKind, Model};
+use crate::model::{JointKind, Model, Problem};
 use crate::symbolic::expression::Expr;
 use crate::symbolic::inverse_kinematics::{self, Derivation, Refusal, StageEquation};
 
@@ -24,8 +24,8 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
     for (index, problem) in model.problems.iter().enumerate() {
         let same = derived.iter().position(|(other, _)| {
             model.problems.get(*other).is_some_and(|other| {
-                let forms = |p: &crate::model::Problem| {
-                    p.constraints.iter().map(|c| (c.terms.clone(), c.constant)).collect::<Vec<_>>()
+                let forms = |p: &Problem| -> Vec<_> {
+                    p.constraints.iter().map(|c| (c.terms.clone(), c.constant)).collect()
                 };
                 other.target == problem.target && other.free == problem.free && forms(other) == forms(problem)
             })
@@ -36,7 +36,9 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
         });
         match derived.get(at) {
             Some((_, Ok(derivation))) => functions.push(function(index, derivation, constants)),
-            Some((_, Err(refusal))) => unsolved.push(Unsolved { problem: index, refusal: refusal.clone() }),
+            Some((_, Err(refusal))) => {
+                unsolved.push(Unsolved { problem: index, refusal: refusal.clone() });
+            }
             None => {}
         }
     }

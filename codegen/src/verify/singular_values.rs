@@ -3,10 +3,15 @@
 /// Sweeps after which the columns of any matrix of this size are orthogonal to rounding.
 const MAX_SWEEPS: usize = 30;
 
-/// The smallest singular value of the matrix with these columns (all of one length): one-sided Jacobi, which keeps
-/// small values accurate where the eigenvalues of the squared matrix would lose half the digits. 0 for a matrix with
-/// more columns than rows, whose columns cannot be independent; infinite for one without columns.
-pub(super) fn smallest(mut columns: Vec<Vec<f64>>) -> f64 {
+/// The smallest singular value of the matrix with these columns (all of one length). 0 for a matrix with more columns
+/// than rows, whose columns cannot be independent; infinite for one without columns.
+pub(super) fn smallest(columns: Vec<Vec<f64>>) -> f64 {
+    singular_values(columns).last().copied().unwrap_or(f64::INFINITY)
+}
+
+/// The singular values of the matrix with these columns (all of one length), one a column, greatest first: one-sided
+/// Jacobi, which keeps small values accurate where the eigenvalues of the squared matrix would lose half the digits.
+pub fn singular_values(mut columns: Vec<Vec<f64>>) -> Vec<f64> {
     for _ in 0..MAX_SWEEPS {
         let mut rotated = false;
         for right in 1..columns.len() {
@@ -22,7 +27,9 @@ pub(super) fn smallest(mut columns: Vec<Vec<f64>>) -> f64 {
             break;
         }
     }
-    columns.iter().map(|column| dot(column, column).sqrt()).fold(f64::INFINITY, f64::min)
+    let mut values: Vec<f64> = columns.iter().map(|column| dot(column, column).sqrt()).collect();
+    values.sort_by(|one, other| other.total_cmp(one));
+    values
 }
 
 /// Rotates two columns in their plane until they are orthogonal; false where they already are.

@@ -8,9 +8,11 @@ use super::atoms::{AngleData, Atoms};
 use super::polynomial::{Overflow, Polynomial};
 use super::unknowns::Unknowns;
 use super::walk::{Vector, Walker};
+use crate::model::chain::Element;
 use crate::model::{JointKind, Model, Target};
 use crate::symbolic::expression::{Arena, Expr, Leaf};
 use crate::symbolic::number::Number;
+use crate::symbolic::transform::{Mat3, Rigid};
 use crate::symbolic::{chain, transform};
 use std::fmt;
 
@@ -201,42 +203,63 @@ impl Walker<'_> {
                 }])
             }
             (Target::Rotation, [a, b, c, d, e, f, g, h, i]) => {
-                // R' = base^T R tool^T, so that neither mixes rows or columns.
-                let tool = plain.links.last().map_or(&[][..], |link| &link.elements);
-                let tool = if plain.links.len() > 1 {
-                    chain::rigid(self.arena, tool)
-                } else {
-                    transform::identity(self.arena)
-                };
-                let whole = [[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]];
-                let turned = transform::product(self.arena, &whole, &transform::transpose(&tool.rotation));
+                let tool = self.behind_last_joint(plain);
+                Ok(self.axes(base, &tool, [[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]])?)
+            }
+            (Target::Pose, [a, b, c, x, d, e, f, y, g, h, i, z]) => {
+                let tool = self.behind_last_joint(plain);
+                let rotation = [[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]];
+                let mut found = self.axes(base, &tool, rotation)?;
+                // The origin of the last joint's frame: p - R tool^T t.
+                let back =
+                    transform::apply(self.arena, &transform::transpose(&tool.rotation), tool.translation);
+                let arm = transform::apply(self.arena, &rotation, back);
                 let frame = chain::rigid(self.arena, base);
-                let mut found = Vec::new();
-                for (index, column) in transform::transpose(&turned).into_iter().enumerate() {
-                    let number = index + 1;
-                    let names = [format!("r1{number}"), format!("r2{number}"), format!("r3{number}")];
-                    let [x, y, z] = &names;
-                    let target = self.behind_base(&frame.rotation, column, [x, y, z], 0)?;
-                    let mut tip = [zero.clone(), zero.clone(), zero.clone()];
-                    if let Some(entry) = tip.get_mut(index) {
-                        *entry = one.clone();
-                    }
-                    let what = ["x axis", "y axis", "z axis"].get(index).copied().unwrap_or("axis");
-                    let letter = ["x", "y", "z"].get(index).copied().unwrap_or("");
-                    found.push(Tracked {
-                        what,
-                        letter,
-                        point: false,
-                        target,
-                        after_base: true,
-                        tip,
-                        whole: false,
-                    });
-                }
+                let origin_of_last = transform::sub(self.arena, [*x, *y, *z], arm);
+                let moved = transform::sub(self.arena, origin_of_last, frame.translation);
+                let target = self.behind_base(&frame.rotation, moved, ["px", "py", "pz"], 1)?;
+                found.push(Tracked {
+                    what: "position",
+                    letter: "",
+                    point: true,
+                    target,
+                    after_base: true,
+                    tip: origin,
+                    whole: false,
+                });
                 Ok(found)
             }
             _ => Err(Trouble::Target),
         }
+    }
+
+    /// What is behind the last joint.
+    fn behind_last_joint(&mut self, plain: &crate::model::Chain) -> Rigid {
+        match plain.links.as_slice() {
+            [_, .., last] => chain::rigid(self.arena, &last.elements),
+            _ => transform::identity(self.arena),
+        }
+    }
+
+    /// The axes of the last joint's frame. R' = base^T R tool^T, so that neither mixes rows or columns.
+    fn axes(&mut self, base: &[Element], tool: &Rigid, rotation: Mat3) -> Result<Vec<Tracked>, Overflow> {
+        let (zero, one) = (Polynomial::zero(), Polynomial::number(self.size(), Number::ONE));
+        let turned = transform::product(self.arena, &rotation, &transform::transpose(&tool.rotation));
+        let frame = chain::rigid(self.arena, base);
+        let mut found = Vec::new();
+        let columns = transform::transpose(&turned).into_iter().zip(["x", "y", "z"]);
+        for (index, (column, letter)) in columns.enumerate() {
+            let names = [1, 2, 3].map(|row| format!("r{row}{}", index + 1));
+            let [x, y, z] = &names;
+            let target = self.behind_base(&frame.rotation, column, [x, y, z], 0)?;
+            let mut tip = [zero.clone(), zero.clone(), zero.clone()];
+            if let Some(entry) = tip.get_mut(index) {
+                *entry = one.clone();
+            }
+            let what = ["x axis", "y axis", "z axis"].get(index).copied().unwrap_or("axis");
+            found.push(Tracked { what, letter, point: false, target, after_base: true, tip, whole: false });
+        }
+        Ok(found)
     }
 
     /// A known vector of the base frame, turned into the frame behind the base's fixed transform.
@@ -285,6 +308,9 @@ impl Walker<'_> {
                 let frame = plain.joints.get(index.wrapping_sub(1)).map_or(0, |joint| joint.row);
                 if let Some((_, inner)) = from_tip.iter().find(|(at, _)| *at == index) {
                     for (row, (left, right)) in outer.iter().zip(inner).enumerate() {
+                        if left.len().max(right.len()) > LONGEST_ROW {
+                            continue;
+                        }
                         equations.push(Equation {
                             polynomial: left.sub(right)?,
                             group: *group,
@@ -361,6 +387,9 @@ impl Walker<'_> {
         Ok(())
     }
 }
+
+/// Longer rows are not made equations: they never have one unknown.
+const LONGEST_ROW: usize = 96;
 
 /// Vectors with longer entries are not squared.
 const LONGEST_SQUARED: usize = 12;

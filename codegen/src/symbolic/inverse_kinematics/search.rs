@@ -11,6 +11,7 @@ use super::polynomial::{Atom, Overflow, Polynomial};
 use super::reading::{self, Open, Reading, Simple};
 use super::samples::Sample;
 use crate::symbolic::expression::Arena;
+use std::collections::BTreeSet;
 
 /// A step of the solution.
 #[derive(Debug, Clone)]
@@ -18,8 +19,19 @@ pub(super) struct Found {
     pub unknown: Unknown,
     pub equation: Solved,
     pub origin: Origin,
-    /// Whether it fails only where the arm is singular: not so for two equations whose determinant can vanish alone.
-    sound: bool,
+    /// Where it fails.
+    class: Class,
+}
+
+/// Where a step fails because its coefficients vanish, best first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Class {
+    /// Nowhere: they are numbers of the table.
+    Constant,
+    /// Where the unknown itself is free: all of them vanish together.
+    Singular,
+    /// Elsewhere too.
+    Unsound,
 }
 
 /// What a step finds.
@@ -89,7 +101,7 @@ pub(super) struct State {
 impl Found {
     /// Whether taking it costs nothing: one root, of a joint of its own.
     fn is_free(&self) -> bool {
-        self.sound && self.unknown.merged() == 0 && self.equation.roots() == 1
+        self.class != Class::Unsound && self.unknown.merged() == 0 && self.equation.roots() == 1
     }
 }
 
@@ -113,13 +125,13 @@ pub(super) fn run(arena: &Arena, mut start: State) -> Result<Option<State>, Over
 struct Search<'a> {
     arena: &'a Arena,
     budget: usize,
-    best: Option<((usize, usize, usize), State)>,
+    best: Option<(Cost, State)>,
 }
 
 impl Search<'_> {
     fn visit(&mut self, mut state: State) -> Result<(), Overflow> {
         if state.open.is_empty() {
-            let cost = cost(&state.found);
+            let cost = cost(&state);
             if self.best.as_ref().is_none_or(|(least, _)| cost < *least) {
                 self.best = Some((cost, state));
             }
@@ -130,7 +142,10 @@ impl Search<'_> {
         }
         self.budget -= 1;
         let mut candidates = candidates(self.arena, &mut state)?;
-        candidates.sort_by_key(|found| (!found.sound, found.equation.roots(), found.equation.size()));
+        candidates.sort_by_key(|found| {
+            let unsound = found.class == Class::Unsound;
+            (unsound, found.equation.roots(), found.class, found.equation.size())
+        });
         let mut unknowns = Vec::new();
         candidates.retain(|found| {
             let new = !unknowns.contains(&found.unknown);
@@ -147,11 +162,40 @@ impl Search<'_> {
     }
 }
 
-/// Unsound steps, then branches, then the length of all coefficients and of the sums to take apart.
-fn cost(found: &[Found]) -> (usize, usize, usize) {
-    let unsound = found.iter().filter(|step| !step.sound).count();
+/// What orders are compared by, first things first: unsound steps, branches, work.
+type Cost = (usize, usize, usize);
+
+fn cost(state: &State) -> Cost {
+    let found = &state.found;
+    let unsound = found.iter().filter(|step| step.class == Class::Unsound).count();
     let branches = found.iter().map(|step| step.equation.roots()).product();
-    (unsound, branches, found.iter().map(|step| step.equation.size() + step.unknown.merged()).sum())
+    let mut atoms = BTreeSet::new();
+    let mut work = 0;
+    for step in found {
+        work += step.equation.size() + 3 * step.unknown.merged() + usize::from(step.class != Class::Constant);
+        for polynomial in step.equation.coefficients() {
+            collect(&state.atoms, polynomial, &mut atoms);
+        }
+    }
+    let definition = |atom: &Atom| match state.atoms.list.get(usize::from(*atom)).map(|data| &data.source) {
+        Some(Source::Abbreviation(polynomial)) => polynomial.len(),
+        _ => 0,
+    };
+    (unsound, branches, work + atoms.iter().map(definition).sum::<usize>())
+}
+
+/// The atoms of a polynomial, and of the definitions of those that are abbreviations.
+fn collect(atoms: &Atoms, polynomial: &Polynomial, found: &mut BTreeSet<Atom>) {
+    for (key, _) in polynomial.terms() {
+        for (atom, _) in &key.monomial {
+            if found.insert(*atom)
+                && let Some(Source::Abbreviation(definition)) =
+                    atoms.list.get(usize::from(*atom)).map(|data| &data.source)
+            {
+                collect(atoms, definition, found);
+            }
+        }
+    }
 }
 
 /// Makes a step: its unknown becomes known.
@@ -184,7 +228,7 @@ fn take(state: &mut State, found: Found) -> Result<(), Overflow> {
 /// Reads all equations anew, abbreviates what is known, and drops what says nothing.
 fn settle(state: &mut State) -> Result<(), Overflow> {
     let mut kept: Vec<Equation> = Vec::new();
-    let mut seen = std::collections::BTreeSet::new();
+    let mut seen = BTreeSet::new();
     for equation in std::mem::take(&mut state.equations) {
         let mut reading = Reading::new(&equation.polynomial, &state.open)?;
         if reading.is_known() {
@@ -227,8 +271,9 @@ fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>, Overflow> 
                 let leading = if a.is_zero() { b } else { a };
                 if !vanishes(arena, state, leading) {
                     let (unknown, origin) = (Unknown::Slide(*slide), first.origin.clone());
-                    let sound = of_table(&state.atoms, leading);
-                    found.push(Found { unknown, equation, origin, sound });
+                    let class =
+                        if of_table(&state.atoms, leading) { Class::Constant } else { Class::Unsound };
+                    found.push(Found { unknown, equation, origin, class });
                 }
             }
             Simple::Trig { frequency, a, b, c } => {
@@ -237,11 +282,12 @@ fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>, Overflow> 
                     continue;
                 }
                 let equation = Solved::Trig([a.clone(), b.clone(), c.clone()]);
+                let table = of_table(&state.atoms, a) && of_table(&state.atoms, b);
                 found.push(Found {
                     unknown: unknown.clone(),
                     equation,
                     origin: first.origin.clone(),
-                    sound: true,
+                    class: if table { Class::Constant } else { Class::Singular },
                 });
                 let later = lone.iter().skip(index + 1);
                 for second in later.filter(|second| second.group == first.group) {
@@ -292,8 +338,14 @@ fn pair(
     }
     let equation = Solved::Pair([a.clone(), b.clone(), c.clone()], [a2.clone(), b2.clone(), c2.clone()]);
     let origin = first.origin.with(&second.origin);
-    let sound = perpendicular([a, b], [a2, b2])? || of_table(&state.atoms, &determinant);
-    Ok(Some(Found { unknown: unknown.clone(), equation, origin, sound }))
+    let class = if of_table(&state.atoms, &determinant) {
+        Class::Constant
+    } else if perpendicular([a, b], [a2, b2])? {
+        Class::Singular
+    } else {
+        Class::Unsound
+    };
+    Ok(Some(Found { unknown: unknown.clone(), equation, origin, class }))
 }
 
 /// Whether the rows are those of a turned and scaled pair, (a, b) and (-b, a): then the determinant a^2 + b^2 vanishes

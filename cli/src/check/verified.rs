@@ -1,0 +1,32 @@
+//! What was verified, and with which figures.
+
+use crate::robot::Robot;
+use crate::text::{clean, columns, small};
+use dh_codegen::verify::{FunctionReport, InverseReport};
+
+/// A line a function.
+pub(super) fn written(robot: &Robot) -> String {
+    let mut rows = vec![["function", "poses", "greatest errors", ""].map(str::to_owned)];
+    rows.extend(robot.output.report.functions.iter().map(row));
+    let title = "verified against products of the table's matrices";
+    format!("\n  {title}\n{}", columns("    ", &rows))
+}
+
+fn row(function: &FunctionReport) -> [String; 4] {
+    let errors = format!("{} m, {} rad", small(function.position_error), small(function.rotation_error));
+    let findings = match (&function.failure, &function.inverse) {
+        (Some(failure), _) => format!("LEFT OUT: {}", clean(failure)),
+        (None, Some(inverse)) => solutions(inverse),
+        (None, None) => String::new(),
+    };
+    [function.name.clone(), function.poses.to_string(), errors, findings]
+}
+
+/// Which poses were found again, and how many solutions they had.
+fn solutions(inverse: &InverseReport) -> String {
+    let counts = inverse.solutions.iter().enumerate().filter(|(_, poses)| **poses > 0);
+    let counts: Vec<String> = counts.map(|(solutions, poses)| format!("{solutions} at {poses}")).collect();
+    let InverseReport { originals, originals_found, singular, .. } = inverse;
+    let singular = if *singular == 0 { String::new() } else { format!(" ({singular} more were singular)") };
+    format!("found {originals_found} of {originals} poses again{singular}; solutions: {}", counts.join(", "))
+}

@@ -1,0 +1,184 @@
+//! `dhc ik`
+
+mod refusal;
+mod solve;
+mod target;
+mod trace;
+
+use crate::failure::{Failure, Refusal, Status};
+use crate::json::Json;
+use crate::list::List;
+use crate::robot::Robot;
+use crate::stream;
+use crate::text::{clean, small};
+use crate::units::Units;
+use dh_codegen::model::JointKind;
+use dh_codegen::verify::Level;
+use dh_core::FULL_POSE;
+use solve::{Answer, Question};
+use std::io::{self, Write};
+
+/// Joint values that bring the tool to a target.
+///
+/// Solutions are those within limits and workspace rules, each in the winding nearest to --near (else to the middle of
+/// the limits), the nearest first. With --all they are all that the geometry has, joints within half a turn of 0.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES, after_long_help = EXAMPLES)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a flag")]
+pub(crate) struct Arguments {
+    /// A table file, or the name of a shipped table.
+    table: String,
+    /// Which inverse problem of the table; `pose` is the full pose.
+    #[arg(long, value_name = "NAME", default_value = FULL_POSE)]
+    problem: String,
+    /// Every geometric solution, whatever the limits.
+    #[arg(long)]
+    all: bool,
+    /// Joint values to be near to, in the table's units.
+    #[arg(long, value_name = "Q1,Q2,...", allow_hyphen_values = true)]
+    near: Option<List>,
+    #[command(flatten)]
+    target: target::Flags,
+    /// Answer in JSON: solutions (q, errors in m and rad, whether q keeps all limits and rules) and error.
+    #[arg(long, conflicts_with = "stdin")]
+    pub(crate) json: bool,
+    /// Print every step with its roots, and what becomes of each candidate.
+    #[arg(long, conflicts_with_all = ["json", "stdin"])]
+    trace: bool,
+    /// Read a JSON object with the target's keys a line, and answer with one JSON object a line.
+    #[arg(long)]
+    stdin: bool,
+}
+
+const EXAMPLES: &str = "\
+Targets, by the problem's `target` (dhc check lists them):
+  pose                     --position X,Y,Z --quaternion X,Y,Z,W  (or --rpy R,P,Y)
+  position, lookat         --position X,Y,Z
+  position_direction, ray  --position X,Y,Z --direction X,Y,Z
+  position_yaw             --position X,Y,Z --yaw ANGLE
+  rotation                 --quaternion X,Y,Z,W  (or --rpy R,P,Y)
+  direction                --direction X,Y,Z
+  xy, xy_yaw               --position X,Y  (--yaw ANGLE)
+
+Examples:
+  dhc ik mycobot --problem tool_down --position 150,-100,70
+  dhc ik scara --problem place --position 0.4,0.2,0.3 --yaw 30 --json
+  echo '{\"position\": [150, -100, 70]}' | dhc ik mycobot --problem tool_down --stdin";
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, Failure> {
+    if arguments.stdin && !arguments.target.is_empty() {
+        return Err(Failure::Usage("with --stdin the targets are read, not given by flags".to_owned()));
+    }
+    let robot = Robot::load(&arguments.table, Level::Quick)?;
+    let program = robot.program()?;
+    let arm = program.interpreter().map_err(|error| robot.unusable(&error))?;
+    let near = arguments.near.as_ref().map(|List(near)| robot.units().joints_in_si(near)).transpose()?;
+    let mut question = Question::new(&robot, &arm, &arguments.problem, near, arguments.all)?;
+    if arguments.stdin {
+        return Ok(stream::run(out, |line| answer_line(&mut question, line))?);
+    }
+    let units = robot.units();
+    let target = match arguments.target.target(question.kind(), units) {
+        Ok(target) => target,
+        Err(target::Trouble::Form(message)) => return Err(Failure::Usage(message)),
+        Err(target::Trouble::Value(error)) => return failed(arguments, out, question.refusal(&error)),
+    };
+    if arguments.trace {
+        let (steps, outcome) = question.trace(&target);
+        return match outcome {
+            Ok(answers) => {
+                writeln!(out, "{steps}")?;
+                list(&question, &answers, out)?;
+                Ok(Status::Done)
+            }
+            Err(error) => {
+                // A failure has nothing to say on stdout, but its steps are what was asked for.
+                crate::failure::complain(steps.trim_end());
+                Err(question.refusal(&error).into())
+            }
+        };
+    }
+    match question.solve(&target) {
+        Ok(answers) if arguments.json => writeln!(out, "{}", json(units, &answers))?,
+        Ok(answers) => list(&question, &answers, out)?,
+        Err(error) => return failed(arguments, out, question.refusal(&error)),
+    }
+    Ok(Status::Done)
+}
+
+/// A refusal in the shape of the command's answers.
+fn failed(arguments: &Arguments, out: &mut dyn Write, refusal: Refusal) -> Result<Status, Failure> {
+    if !arguments.json {
+        return Err(refusal.into());
+    }
+    writeln!(out, "{}", nothing(&refusal))?;
+    Ok(Status::Wrong)
+}
+
+/// One line of a stream; only one that is malformed is an error.
+fn answer_line(question: &mut Question<'_>, line: &[u8]) -> Result<Json, Refusal> {
+    let units = question.units();
+    let target = match target::read(line, question.kind(), units) {
+        Ok(target) => target,
+        Err(target::Trouble::Form(message)) => return Err(stream::malformed(message)),
+        Err(target::Trouble::Value(error)) => return Ok(nothing(&question.refusal(&error))),
+    };
+    Ok(match question.solve(&target) {
+        Ok(answers) => json(units, &answers),
+        Err(error) => nothing(&question.refusal(&error)),
+    })
+}
+
+/// `{"solutions": [..], "error": null}`
+fn json(units: Units<'_>, answers: &[Answer]) -> Json {
+    let solution = |answer: &Answer| {
+        let mut fields = vec![
+            ("q", Json::numbers(units.joints(&answer.q))),
+            ("position_error", answer.position_error.into()),
+            ("rotation_error", answer.rotation_error.into()),
+            ("within_limits", answer.within_limits.into()),
+        ];
+        if let Some(row) = answer.free {
+            fields.push(("free", (row + 1).into()));
+        }
+        Json::Object(fields)
+    };
+    let solutions = answers.iter().map(solution).collect();
+    Json::Object(vec![("solutions", Json::List(solutions)), ("error", Json::Null)])
+}
+
+/// `{"solutions": [], "error": {..}}`
+fn nothing(refusal: &Refusal) -> Json {
+    Json::Object(vec![("solutions", Json::List(Vec::new())), ("error", refusal.json())])
+}
+
+/// Writes solutions for people.
+fn list(question: &Question<'_>, answers: &[Answer], out: &mut dyn Write) -> io::Result<()> {
+    let units = question.units();
+    let count = answers.len();
+    let plural = if count == 1 { "" } else { "s" };
+    let what = if question.all() { "in all" } else { "within limits and rules, the nearest first" };
+    writeln!(out, "{}: {count} solution{plural} {what}\n", question.name())?;
+    let joints: Vec<(JointKind, &str)> = (0..question.dof()).map(|index| units.joint(index)).collect();
+    write!(out, "  ")?;
+    for (kind, name) in &joints {
+        write!(out, "{:>15}", format!("{} ({})", clean(name), units.name(*kind)))?;
+    }
+    writeln!(out, "   errors (m, rad)")?;
+    for (place, answer) in answers.iter().enumerate() {
+        write!(out, "{:2}", place + 1)?;
+        for ((kind, _), value) in joints.iter().zip(units.joints(&answer.q)) {
+            write!(out, "{:>15}", units.show(*kind, value))?;
+        }
+        write!(out, "   {}, {}", small(answer.position_error), small(answer.rotation_error))?;
+        if !answer.within_limits {
+            write!(out, "  breaks limits or rules")?;
+        }
+        if let Some(row) = answer.free {
+            write!(out, "  row {} is free: one of its values", row + 1)?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,173 @@
+//! One inverse problem, asked again and again.
+
+use super::{refusal, trace};
+use crate::failure::{Failure, Refusal};
+use crate::robot::Robot;
+use crate::units::Units;
+use dh_codegen::plan::eval::Interpreter;
+use dh_codegen::plan::{Function, FunctionKind};
+use dh_core::{FULL_POSE, IkError, Kinematics, SolutionSet, Target, TargetKind};
+
+/// A solution.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Answer {
+    /// rad or m
+    pub(crate) q: Vec<f64>,
+    /// m
+    pub(crate) position_error: f64,
+    /// rad
+    pub(crate) rotation_error: f64,
+    /// Whether q, as it stands, breaks no limit and no rule.
+    pub(crate) within_limits: bool,
+    /// Row of the joint that the target leaves free.
+    pub(crate) free: Option<usize>,
+}
+
+/// An inverse problem with what does not change from target to target.
+pub(crate) struct Question<'a> {
+    robot: &'a Robot,
+    arm: &'a Interpreter<'a>,
+    name: &'a str,
+    kind: TargetKind,
+    function: &'a Function,
+    /// What to be near to (rad or m).
+    near: Vec<f64>,
+    /// Whether `near` was given.
+    seeded: bool,
+    all: bool,
+    set: SolutionSet,
+}
+
+impl<'a> Question<'a> {
+    /// A problem by its name.
+    ///
+    /// # Errors
+    /// The robot does not have it, or it is not solved.
+    pub(crate) fn new(
+        robot: &'a Robot,
+        arm: &'a Interpreter<'a>,
+        name: &'a str,
+        near: Option<Vec<f64>>,
+        all: bool,
+    ) -> Result<Self, Failure> {
+        let index = robot.model().problems.iter().position(|problem| problem.name == name);
+        let kind = FunctionKind::Inverse(index);
+        let function = robot.output.plan.functions.iter().find(|function| function.kind == kind);
+        let info = arm.problems().iter().find(|info| info.name == name);
+        let (Some(function), Some(info)) = (function, info) else {
+            return Err(unsolved(robot, arm, name).into());
+        };
+        let middle = || {
+            let middle = |joint: &dh_core::Joint<'_>| joint.limits.map_or(0.0, |limits| limits.middle());
+            arm.joints().iter().map(middle).collect()
+        };
+        let seeded = near.is_some();
+        let near = near.unwrap_or_else(middle);
+        Ok(Question {
+            robot,
+            arm,
+            name,
+            kind: info.target,
+            function,
+            near,
+            seeded,
+            all,
+            set: SolutionSet::new(),
+        })
+    }
+
+    /// Its name.
+    pub(crate) fn name(&self) -> &str {
+        self.name
+    }
+
+    /// What it takes.
+    pub(crate) fn kind(&self) -> TargetKind {
+        self.kind
+    }
+
+    /// Whether limits are passed over.
+    pub(crate) fn all(&self) -> bool {
+        self.all
+    }
+
+    /// Number of joints.
+    pub(crate) fn dof(&self) -> usize {
+        self.arm.dof()
+    }
+
+    /// The units of the table.
+    pub(crate) fn units(&self) -> Units<'a> {
+        self.robot.units()
+    }
+
+    /// An error in the table's units.
+    pub(crate) fn refusal(&self, error: &IkError) -> Refusal {
+        let problem = self.robot.model().problems.iter().find(|problem| problem.name == self.name);
+        refusal::of(error, self.robot.model(), problem, self.function)
+    }
+
+    /// The solutions.
+    pub(crate) fn solve(&mut self, target: &Target) -> Result<Vec<Answer>, IkError> {
+        if self.all {
+            self.arm.ik_into(self.name, target, &mut self.set)?;
+        } else {
+            self.arm.ik_within(self.name, target, Some(&self.near), &mut self.set)?;
+        }
+        Ok(self.answers())
+    }
+
+    /// The same, with every step as text.
+    pub(crate) fn trace(&mut self, target: &Target) -> (String, Result<Vec<Answer>, IkError>) {
+        let (arm, all) = (self.arm, self.all);
+        let mut trace = trace::Trace::new(self.robot, self.function);
+        let outcome = arm.trace_ik(self.name, target, &[], &mut self.set, |event| trace.event(event));
+        let outcome = outcome.and_then(|()| {
+            if all {
+                return Ok(());
+            }
+            let point = |q: &[f64]| arm.rules_point(q).unwrap_or([f64::NAN; 3]);
+            self.set.within(&arm.rules(), point, Some(&self.near))
+        });
+        (trace.into_text(), outcome.map(|()| self.answers()))
+    }
+
+    fn answers(&self) -> Vec<Answer> {
+        let answer = |solution: dh_core::SolutionView<'_>| Answer {
+            q: solution.q.to_vec(),
+            position_error: solution.position_error,
+            rotation_error: solution.rotation_error,
+            within_limits: self.arm.check(solution.q).is_ok(),
+            free: solution.free,
+        };
+        let mut answers: Vec<Answer> = self.set.iter().map(answer).collect();
+        if self.all && self.seeded {
+            let travel = |answer: &Answer| -> f64 {
+                answer.q.iter().zip(&self.near).map(|(a, b)| (a - b) * (a - b)).sum()
+            };
+            answers.sort_by(|one, other| travel(one).total_cmp(&travel(other)));
+        }
+        answers
+    }
+}
+
+/// Why a problem cannot be asked.
+fn unsolved(robot: &Robot, arm: &Interpreter<'_>, name: &str) -> Refusal {
+    let solved: Vec<&str> = arm.problems().iter().map(|info| info.name).collect();
+    let help = if solved.is_empty() {
+        format!(
+            "no inverse problem of this table is solved; `dhc check {}` says why",
+            robot.source.name_shown
+        )
+    } else {
+        format!("--problem takes {}", solved.join(", "))
+    };
+    let known = name == FULL_POSE || robot.model().problems.iter().any(|problem| problem.name == name);
+    let shown = dh_codegen::diagnostic::shortened(name);
+    let message = if known {
+        format!("the problem `{shown}` of this table is not solved")
+    } else {
+        format!("the table has no inverse problem `{shown}`")
+    };
+    Refusal::new("unknown_problem", message).help(help)
+}
