@@ -62,10 +62,6 @@ impl CraneX7Planar {
     /// A hash of everything in the table that changes what is computed or sent.
     pub const FINGERPRINT: u64 = 0x66aa_7916_04eb_c688;
     /// The joints, in the order of `q` (rad).
-    #[allow(
-        clippy::approx_constant,
-        reason = "numbers of the table, as they were written"
-    )]
     #[rustfmt::skip]
     pub const JOINTS: [Joint<'static>; 2] = [
         Joint::revolute("shoulder")

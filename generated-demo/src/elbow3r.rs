@@ -34,7 +34,6 @@ use ::dh_runtime::{
 pub struct Elbow3R;
 
 const D1: f64 = 0.4; // link offset of joint 1, table line 11
-#[allow(clippy::approx_constant, reason = "as the table has it")]
 const A2: f64 = 0.3; // link length of joint 2, table line 17
 const A3: f64 = 0.25; // link length of joint 3, table line 22
 const K1: f64 = 0.15; // = 2 a2 a3

@@ -39,7 +39,6 @@ use ::dh_runtime::{
 pub struct Panda;
 
 const D1: f64 = 0.333; // link offset of joint 1, table line 15
-#[allow(clippy::approx_constant, reason = "as the table has it")]
 const D3: f64 = 0.316; // link offset of joint 3, table line 31
 const A4: f64 = 0.0825; // link length of joint 4, table line 40
 const A5: f64 = -0.0825; // link length of joint 5, table line 49

@@ -38,11 +38,9 @@ use ::dh_runtime::{
 pub struct Puma560;
 
 const D1: f64 = 0.672; // link offset of joint 1, table line 12
-#[allow(clippy::approx_constant, reason = "as the table has it")]
 const A2: f64 = 0.4318; // link length of joint 2, table line 18
 const D3: f64 = 0.150_05; // link offset of joint 3, table line 23
 const A3: f64 = 0.0203; // link length of joint 3, table line 23
-#[allow(clippy::approx_constant, reason = "as the table has it")]
 const D4: f64 = 0.4318; // link offset of joint 4, table line 30
 const K1: f64 = 0.017_531_08; // = 2 a2 a3
 const K2: f64 = 0.372_902_480_000_000_04; // = 2 a2 d4

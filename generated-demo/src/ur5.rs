@@ -39,7 +39,6 @@ pub struct UR5;
 
 const D1: f64 = 0.089_159; // link offset of joint 1, table line 11
 const A2: f64 = -0.425; // link length of joint 2, table line 18
-#[allow(clippy::approx_constant, reason = "as the table has it")]
 const A3: f64 = -0.392_25; // link length of joint 3, table line 24
 const D4: f64 = 0.109_15; // link offset of joint 4, table line 30
 const D5: f64 = 0.094_65; // link offset of joint 5, table line 37

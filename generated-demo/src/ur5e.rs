@@ -39,7 +39,6 @@ pub struct UR5e;
 
 const D1: f64 = 0.1625; // link offset of joint 1, table line 11
 const A2: f64 = -0.425; // link length of joint 2, table line 18
-#[allow(clippy::approx_constant, reason = "as the table has it")]
 const A3: f64 = -0.3922; // link length of joint 3, table line 24
 const D4: f64 = 0.1333; // link offset of joint 4, table line 30
 const D5: f64 = 0.0997; // link offset of joint 5, table line 37

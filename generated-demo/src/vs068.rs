@@ -39,7 +39,6 @@ use ::dh_runtime::{
 )]
 pub struct VS068;
 
-#[allow(clippy::approx_constant, reason = "as the table has it")]
 const D1: f64 = 0.395; // link offset of joint 1, table line 12
 const A1: f64 = 0.03; // link length of joint 1, table line 12
 const A2: f64 = 0.34; // link length of joint 2, table line 21
@@ -80,10 +79,6 @@ impl VS068 {
     /// A hash of everything in the table that changes what is computed or sent.
     pub const FINGERPRINT: u64 = 0x000e_fbae_cb08_2536;
     /// The joints, in the order of `q` (rad).
-    #[allow(
-        clippy::approx_constant,
-        reason = "numbers of the table, as they were written"
-    )]
     #[rustfmt::skip]
     pub const JOINTS: [Joint<'static>; 6] = [
         Joint::revolute("J1")

@@ -62,7 +62,7 @@ pub(super) fn looks_approximate(value: f64) -> bool {
         .iter()
         .map(|&(_, constant)| constant)
         .chain(OTHERS)
-        .any(|constant| (value / constant - 1.0).abs() < 1e-2)
+        .any(|constant| (value / constant - 1.0).abs() < 1e-3)
 }
 
 /// A decimal number with underscores between groups of three digits, from the point outwards.
@@ -123,7 +123,7 @@ mod tests {
         assert_eq!(f64_text(-std::f64::consts::FRAC_PI_2), "-FRAC_PI_2");
         let attribute = Paths::new(Style::Attribute, "Arm");
         assert_eq!(number(std::f64::consts::PI, ScalarType::F32, &attribute), "::core::f32::consts::PI");
-        assert!(looks_approximate(-std::f64::consts::PI * 1.001) && !looks_approximate(0.14));
+        assert!(looks_approximate(-std::f64::consts::PI * 0.9995) && !looks_approximate(0.14));
     }
 
     #[test]
