@@ -877,6 +877,7 @@ fn solve_xy_yaw(target: &Target) -> Result<Solutions<2>, IkError> {
 
 /// Every solution of `given`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_given(target: &Target, free: &[f64; 1]) -> Result<Solutions<2>, IkError> {
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, _] = target.numbers().array();

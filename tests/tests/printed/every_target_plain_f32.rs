@@ -768,7 +768,6 @@ fn tool_point(q: &[f32; 2]) -> [f32; 3] {
 
 /// Every solution of the full pose.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_pose(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Pose)?;
     let [r11, _, _, _, _, _, _, _, _, _, _, pz] = target.numbers().array();
@@ -782,7 +781,6 @@ fn solve_pose(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `position`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_position(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Position)?;
     let [px, _, pz] = target.numbers().array();
@@ -796,7 +794,6 @@ fn solve_position(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32
 
 /// Every solution of `position_direction`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_position_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::PositionDirection)?;
     let [px, _, _, _, _, zz] = target.numbers().array();
@@ -810,7 +807,6 @@ fn solve_position_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, I
 
 /// Every solution of `position_yaw`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_position_yaw(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::PositionYaw)?;
     let [px, _, _, _, syaw] = target.numbers().array();
@@ -824,7 +820,6 @@ fn solve_position_yaw(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError
 
 /// Every solution of `rotation`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_rotation(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Rotation)?;
     let [r11, _, _, _, _, _, _, _, r33] = target.numbers().array();
@@ -838,7 +833,6 @@ fn solve_rotation(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32
 
 /// Every solution of `direction`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Direction)?;
     let [zx, _, zz] = target.numbers().array();
@@ -852,7 +846,6 @@ fn solve_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f3
 
 /// Every solution of `ray`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_ray(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Ray)?;
     let [px, _, _, _, _, zz] = target.numbers().array();
@@ -866,7 +859,6 @@ fn solve_ray(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `lookat`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_lookat(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Lookat)?;
     let [px, _, pz] = target.numbers().array();
@@ -880,7 +872,6 @@ fn solve_lookat(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>>
 
 /// Every solution of `xy`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_xy(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
@@ -894,7 +885,6 @@ fn solve_xy(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `xy_yaw`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_xy_yaw(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::XyYaw)?;
     let [px, _, _, syaw] = target.numbers().array();

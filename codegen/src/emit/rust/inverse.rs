@@ -59,10 +59,11 @@ impl<'a> Printer<'a> {
         let name =
             problem.map_or("the full pose".to_owned(), |problem| format!("`{}`", clean(&problem.name)));
         text.line(format!("/// Every solution of {name}."));
-        self.allowances(text, &lines);
+        Self::allowances(text, &lines);
         allow_case(text, &private_name(problem));
         let mut parameters = vec![format!("target: &{}", self.runtime_type("Target"))];
         if let Some(count) = free_count(problem) {
+            self.small_arguments(text, count);
             parameters.push(format!(
                 "{}: &[{}; {count}]",
                 if free.is_some() { "free" } else { "_free" },

@@ -109,7 +109,7 @@ impl Printer<'_> {
         ]);
         allow_case(text, suffix);
         text.signature(&format!("pub fn ik{suffix}"), &methods.parameters(None), &self.inverse_result());
-        self.within(text, methods, &self.paths.prelude("None"));
+        Self::within(text, methods, &self.paths.prelude("None"));
     }
 
     /// `ik_near`: the same, by their distance from a seed.
@@ -128,11 +128,11 @@ impl Printer<'_> {
         let seed = format!("seed: &{}", self.joints_type());
         let parameters = methods.parameters(Some(seed));
         text.signature(&format!("pub fn ik{suffix}_near"), &parameters, &self.inverse_result());
-        self.within(text, methods, &format!("{}(seed)", self.paths.prelude("Some")));
+        Self::within(text, methods, &format!("{}(seed)", self.paths.prelude("Some")));
     }
 
     /// All solutions, and of these the ones that are allowed.
-    fn within(&self, text: &mut Text, methods: &Methods<'_>, seed: &str) {
+    fn within(text: &mut Text, methods: &Methods<'_>, seed: &str) {
         let names = methods.arguments.names.join(", ");
         text.line(format!("let solutions = self.ik_all{}({names})?;", methods.suffix));
         text.line(format!("solutions.within(&Self::RULES, tool_point, {seed})"));

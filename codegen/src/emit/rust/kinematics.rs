@@ -106,14 +106,10 @@ impl Printer<'_> {
                 let name = problem
                     .map_or_else(|| self.paths.runtime("FULL_POSE"), |problem| format!("{:?}", problem.name));
                 let solve = private_name(problem);
-                match free_count(problem) {
-                    None => text.line(format!("{name} => {solve}(target)?,")),
-                    // The trait has no place for the values of free joints.
-                    Some(_) => {
-                        let none = format!("{}(&[])?", self.paths.runtime("joint_array"));
-                        text.line(format!("{name} => {solve}(target, {none})?,"));
-                    }
-                }
+                // The trait has no place for the values of free joints.
+                let none =
+                    free_count(problem).map(|_| format!(", {}(&[])?", self.paths.runtime("joint_array")));
+                text.line(format!("{name} => {solve}(target{})?,", none.unwrap_or_default()));
             }
             text.line(format!("_ => return {err}({unknown}),"));
             text.close("};");
