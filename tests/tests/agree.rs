@@ -115,6 +115,19 @@ fn random_tables() {
         .unwrap();
 }
 
+/// Two constant turns between sliding joints, one of them no multiple of 15 degrees: their sines have names of their
+/// own.
+#[test]
+fn turned_slides() {
+    let text = "[robot]\nname = \"Slides\"\nconvention = \"modified\"\n\
+        [[joint]]\ntype = \"prismatic\"\ntheta = -0.00001666\n\
+        [[joint]]\ntype = \"prismatic\"\ntheta = \"6 * pi / 12\"\n\
+        [[joint]]\na = 0.3\ntype = \"prismatic\"\n";
+    let oracle = Oracle::read(text).unwrap();
+    let engine = engine::interpreter(text).unwrap();
+    compare(&*engine, &oracle, &[0.1, -0.2, 0.3], tolerance(&oracle)).unwrap();
+}
+
 /// Offsets of ten kilometres, whose own last place is 2e-12 m, must not cost the digits that they have.
 #[test]
 fn calibrated_tables() {

@@ -113,12 +113,22 @@ impl Arena {
         expr
     }
 
-    /// A number of the table; zero and plus or minus one are folded.
+    /// A number of the table; zero is folded. Another value under the same name gets a name of its own.
     pub fn parameter(&mut self, name: &str, value: f64, dimension: u8, note: &str) -> Expr {
         if value == 0.0 {
             return self.zero();
         }
-        self.leaf(name, Leaf::Parameter { value, dimension, note: note.to_string() })
+        let same = |leaf: &Leaf| matches!(leaf, Leaf::Parameter { value: known, .. } if known.to_bits() == value.to_bits());
+        let mut unique = name.to_string();
+        let mut tries = 1;
+        while let Some((_, leaf)) = self.leaves.iter().find(|(known, _)| *known == unique) {
+            if same(leaf) {
+                break;
+            }
+            tries += 1;
+            unique = format!("{name}_{tries}");
+        }
+        self.leaf(&unique, Leaf::Parameter { value, dimension, note: note.to_string() })
     }
 
     /// Sine and cosine of an angle. `suffix` names it (s234, c234) when it is met for the first time.
@@ -142,6 +152,7 @@ impl Arena {
             return (self.number(sin), self.number(cos));
         }
         let angle = form.turn.value();
+        let suffix = if suffix.is_empty() { "0" } else { suffix };
         let sin = self.parameter(&format!("s{suffix}"), libm::sin(angle), 0, &format!("sine of {angle} rad"));
         let cos =
             self.parameter(&format!("c{suffix}"), libm::cos(angle), 0, &format!("cosine of {angle} rad"));
