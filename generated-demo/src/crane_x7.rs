@@ -805,7 +805,7 @@ fn solve_wrist_down(target: &Target) -> Result<Solutions<7>, IkError> {
             // theta1: px c1 + py s1 = -x1; py c1 - px s1 = 0
             // (rows 1 and 3 of the position in frame 1)
             for theta1 in search.trig_pair(THETA1, [px, py, -x1], [py, -px, 0.0]) {
-                let q = [theta1, theta2, 0.0, theta4, 0.0, -theta4 - theta2 - PI, 0.0];
+                let q = [theta1, theta2, 0.0, theta4, 0.0, -theta2 - theta4 - PI, 0.0];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                 search.accept(q, position_error, rotation_error);
             }

@@ -8,42 +8,42 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(test, deny(warnings, missing_docs, clippy::pedantic))]
 
-/// RT Corporation CRANE-X7.
+/// The arm of `robots/crane_x7.toml`.
 #[rustfmt::skip]
 pub mod crane_x7;
-/// RT Corporation CRANE-X7 planar.
+/// The arm of `robots/crane_x7_2r.toml`.
 #[rustfmt::skip]
 pub mod crane_x7_2r;
-/// Elbow 3R.
+/// The arm of `robots/elbow3r.toml`.
 #[rustfmt::skip]
 pub mod elbow3r;
-/// Elephant Robotics myCobot 280 Pi.
+/// The arm of `robots/mycobot.toml`.
 #[rustfmt::skip]
 pub mod mycobot;
-/// Franka Emika Panda.
+/// The arm of `robots/panda.toml`.
 #[rustfmt::skip]
 pub mod panda;
-/// Planar 2R.
+/// The arm of `robots/planar2r.toml`.
 #[rustfmt::skip]
 pub mod planar2r;
-/// Unimation Puma 560.
+/// The arm of `robots/puma560.toml`.
 #[rustfmt::skip]
 pub mod puma560;
-/// RT-middleware 2R.
+/// The arm of `robots/rtm2r.toml`.
 #[rustfmt::skip]
 pub mod rtm2r;
-/// Adept Cobra 600.
+/// The arm of `robots/scara.toml`.
 #[rustfmt::skip]
 pub mod scara;
-/// UFACTORY uArm Swift Pro.
+/// The arm of `robots/uarm_swift_pro.toml`.
 #[rustfmt::skip]
 pub mod uarm_swift_pro;
-/// Universal Robots UR5.
+/// The arm of `robots/ur5.toml`.
 #[rustfmt::skip]
 pub mod ur5;
-/// Universal Robots UR5e.
+/// The arm of `robots/ur5e.toml`.
 #[rustfmt::skip]
 pub mod ur5e;
-/// DENSO VS-068.
+/// The arm of `robots/vs068.toml`.
 #[rustfmt::skip]
 pub mod vs068;

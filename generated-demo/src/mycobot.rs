@@ -614,7 +614,7 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
                     theta1,
                     theta2 - FRAC_PI_2,
                     theta3,
-                    -theta3 - theta2,
+                    -theta2 - theta3,
                     0.0,
                     theta1,
                 ];
@@ -657,7 +657,7 @@ fn solve_tool_down_elbow_up(target: &Target) -> Result<Solutions<6>, IkError> {
                     theta1,
                     theta2 - FRAC_PI_2,
                     theta3,
-                    -theta3 - theta2,
+                    -theta2 - theta3,
                     0.0,
                     theta1,
                 ];

@@ -676,7 +676,7 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<7>, IkError> {
                 // s4) c2 + (d5 s4 - a4 - a5 c4) s2 = z0
                 // (rows 1 and 2 of the position in frame 1)
                 for theta2 in search.trig_pair(THETA2, [t1, -t2, -x1], [t2, t1, z0]) {
-                    let q = [theta1, theta2, 0.0, theta4, 0.0, -theta4 + theta2, theta7];
+                    let q = [theta1, theta2, 0.0, theta4, 0.0, theta2 - theta4, theta7];
                     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                     search.accept(q, position_error, rotation_error);
                 }

@@ -534,7 +534,7 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
                 // theta6: c1 c6 + s1 s6 = -cyaw; s1 c6 - c1 s6 = -syaw
                 // (cosine of the yaw; sine of the yaw)
                 for theta6 in search.trig_pair(THETA6, [c1, s1, -cyaw], [s1, -c1, -syaw]) {
-                    let q = [theta1, theta2, theta3, 0.0, -theta3 - theta2 - PI, theta6];
+                    let q = [theta1, theta2, theta3, 0.0, -theta2 - theta3 - PI, theta6];
                     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                     search.accept(q, position_error, rotation_error);
                 }

@@ -434,7 +434,7 @@ fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
                     let q = [
                         theta1 + FRAC_PI_2,
                         theta2,
-                        -theta3 - theta2,
+                        -theta2 - theta3,
                         theta5 + FRAC_PI_2,
                     ];
                     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));

@@ -529,7 +529,7 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
                         theta1,
                         theta2,
                         theta3,
-                        -theta3 - theta2 - FRAC_PI_2,
+                        -theta2 - theta3 - FRAC_PI_2,
                         -FRAC_PI_2,
                         theta6,
                     ];

@@ -630,7 +630,7 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
                         theta2 + FRAC_PI_2,
                         theta3 - FRAC_PI_2,
                         0.0,
-                        -theta3 - theta2 + PI,
+                        -theta2 - theta3 + PI,
                         theta6,
                     ];
                     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));

@@ -27,7 +27,7 @@ use dh_codegen::model::Model;
 use dh_codegen::plan::Plan;
 use dh_codegen::plan::eval::Program;
 use dh_runtime::nalgebra::{Point2, Point3, Rotation3, Vector3};
-use dh_runtime::{Float, Frame, IkError, Kinematics, Rule, SolutionSet, Target};
+use dh_runtime::{Float, Frame, IkError, Kinematics, LengthError, Rule, SolutionSet, Target};
 use everything::computed;
 use planar::Planar2R;
 
@@ -100,7 +100,7 @@ fn every_target_is_taken_in_its_own_types() -> Result<(), IkError> {
     let interpreter = program.interpreter().expect("a complete plan");
     let arm = every_target::EveryTarget;
     assert_eq!(Kinematics::problems(&arm), interpreter.problems());
-    assert_eq!(Kinematics::problems(&arm).len(), 10);
+    assert_eq!(Kinematics::problems(&arm).len(), 11);
 
     // The candidates: (0, 0) is stretched out along x, and the z axis stays upright whatever the joints.
     let (origin, up) = (Point3::origin(), Vector3::z_axis());
@@ -112,6 +112,12 @@ fn every_target_is_taken_in_its_own_types() -> Result<(), IkError> {
     let turned = arm.ik_all_rotation(&Rotation3::identity()).err();
     assert_eq!(turned, interpreted(&interpreter, "rotation"));
     assert!(matches!(turned, Some(IkError::Failed { rotation_error, .. }) if rotation_error > 1.9));
+    let at = arm.ik_at_given(&Point2::new(0.0, 0.0), &[core::f64::consts::PI]).map(|all| all.len());
+    assert!(matches!(at, Err(IkError::Failed { position_error, .. }) if (position_error - 0.1).abs() < 1e-9));
+    for arm in [&arm as &dyn Kinematics, &interpreter] {
+        let length = arm.ik_into("given", &Target::Xy([0.0; 2]), &mut SolutionSet::new());
+        assert_eq!(length, Err(IkError::Length(LengthError { expected: 1, got: 0 })));
+    }
     let single = every_target_plain_f32::EveryTarget;
     assert!(single.ik_all_xy_yaw(&[0.9, 0.0], 0.0).is_err());
     assert!(single.ik_rotation(&Frame::<f32>::IDENTITY.rotation).is_err());

@@ -1,11 +1,12 @@
-//! Printed code of every shipped table, committed to be read and compiled: `generated-demo/src/<name>.rs`.
+//! What is printed for every shipped table, committed: code to be read and compiled, `generated-demo/src/<name>.rs`, and
+//! equations to be read, `tests/snapshots/<name>.txt`.
 //!
 //! `UPDATE_EXPECT=1 cargo test -p dh-tests --test snapshots` rewrites what is stale.
 
 #![expect(clippy::unwrap_used, reason = "a file that cannot be read or written is a broken test")]
 
-use dh_build::Source;
-use dh_codegen::emit::rust::{self, Options};
+use dh_codegen::emit::text::Part;
+use dh_codegen::emit::{rust, text};
 use dh_codegen::verify::Level;
 use dh_codegen::{Output, compile};
 use std::fs;
@@ -13,16 +14,11 @@ use std::path::{Path, PathBuf};
 
 const REFRESH: &str = "UPDATE_EXPECT=1 cargo test -p dh-tests --test snapshots";
 
-/// Every shipped table by the name under which `dhc` knows it, with what the compiler makes of it.
-fn shipped() -> impl Iterator<Item = (&'static str, Source, Output)> {
+/// Every shipped table, with what the compiler makes of it.
+fn shipped() -> impl Iterator<Item = (&'static str, Output)> {
     dh_robots::names().map(|name| {
-        let source = Source {
-            name_shown: name.to_owned(),
-            path: None,
-            text: dh_robots::table(name).unwrap().to_owned(),
-        };
-        let output = compile(&source.text, Level::Full).output.unwrap();
-        (name, source, output)
+        let text = dh_robots::table(name).unwrap();
+        (name, compile(text, Level::Full).output.unwrap())
     })
 }
 
@@ -30,12 +26,16 @@ fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
+fn is_refreshing() -> bool {
+    std::env::var_os("UPDATE_EXPECT").is_some()
+}
+
 /// Holds a committed file against what is printed now, or rewrites it where that is asked for.
 fn is_stale(path: &Path, printed: &str) -> bool {
     // A checkout may have turned the ends of lines into those of its system.
     let committed = fs::read_to_string(path).unwrap_or_default().replace("\r\n", "\n");
     let stale = committed != printed;
-    if stale && std::env::var_os("UPDATE_EXPECT").is_some() {
+    if stale && is_refreshing() {
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, printed).unwrap();
         return false;
@@ -53,33 +53,50 @@ fn stems(folder: &Path, ending: &str) -> Vec<String> {
     stems
 }
 
-#[test]
-fn generated_code_is_what_is_printed() {
-    let folder = workspace().join("generated-demo/src");
+fn are_fresh(folder: &str, ending: &str, print: impl Fn(&str, &Output) -> String) {
     let stale: Vec<_> = shipped()
-        .filter(|(name, source, output)| {
-            let options = Options { table: source.name_shown.clone(), ..Options::default() };
-            let code = rust::print(&output.model, &output.plan, &options);
-            is_stale(&folder.join(name).with_extension("rs"), &code)
+        .filter(|(name, output)| {
+            let path = workspace().join(folder).join(name).with_extension(ending);
+            is_stale(&path, &print(name, output))
         })
-        .map(|(name, ..)| name)
+        .map(|(name, _)| name)
         .collect();
-    assert!(stale.is_empty(), "generated-demo/src is stale for {stale:?}: {REFRESH}");
+    assert!(stale.is_empty(), "{folder} is stale for {stale:?}: {REFRESH}");
 }
 
-/// A module without a table would be compiled, and tell its reader something that nobody prints any more.
 #[test]
-fn every_committed_module_has_its_table() {
+fn generated_code_is_what_is_printed() {
+    are_fresh("generated-demo/src", "rs", |name, output| {
+        let options = rust::Options { table: name.to_owned(), ..rust::Options::default() };
+        rust::print(&output.model, &output.plan, &options)
+    });
+}
+
+#[test]
+fn equations_are_what_is_printed() {
+    are_fresh("tests/snapshots", "txt", |_, output| {
+        text::print(&output.model, &output.plan, &text::Options { part: Part::All, numeric: false })
+    });
+}
+
+/// What has no table any more would still be compiled, and read as if it were printed.
+#[test]
+fn every_committed_file_has_its_table() {
+    // The other tests may be writing what is looked for.
+    if is_refreshing() {
+        return;
+    }
+    let mut names: Vec<_> = dh_robots::names().map(str::to_owned).collect();
+    assert_eq!(stems(&workspace().join("tests/snapshots"), "txt"), names);
     let folder = workspace().join("generated-demo/src");
-    let mut expected: Vec<_> = dh_robots::names().map(str::to_owned).collect();
-    expected.push("lib".to_owned());
-    expected.sort();
-    assert_eq!(stems(&folder, "rs"), expected);
     let library = fs::read_to_string(folder.join("lib.rs")).unwrap();
-    for name in dh_robots::names() {
+    for name in &names {
         assert!(
             library.contains(&format!("pub mod {name};")),
             "generated-demo/src/lib.rs does not declare {name}"
         );
     }
+    names.push("lib".to_owned());
+    names.sort();
+    assert_eq!(stems(&folder, "rs"), names);
 }

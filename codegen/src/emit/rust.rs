@@ -9,6 +9,7 @@ mod documentation;
 mod expression;
 mod functions;
 mod inverse;
+mod inverse_methods;
 mod kinematics;
 mod layout;
 mod liveness;

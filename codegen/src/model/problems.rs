@@ -10,7 +10,8 @@ use crate::table::{self, Text};
 use core::f64::consts::TAU;
 
 /// Names of functions that an arm has besides its problems', after `ik_`.
-const RESERVED: [&str; 9] = ["all", "batch", "track", "free", "at", "sweep", "nearest", "into", "within"];
+const RESERVED: [&str; 10] =
+    ["all", "batch", "track", "free", "at", "near", "sweep", "nearest", "into", "within"];
 
 /// Constants that differ by less than this are equal (rad or m).
 const EQUAL: f64 = 1e-9;
@@ -240,7 +241,8 @@ fn name_makes_a_function(name: &Text, target: Option<Target>, diagnostics: &mut 
         );
         return;
     }
-    let taken = RESERVED.contains(&value) || value.starts_with("all_");
+    let variant = value.starts_with("all_") || value.starts_with("at_") || value.ends_with("_near");
+    let taken = RESERVED.contains(&value) || variant;
     if taken || (value == "pose" && target.is_some_and(|target| target != Target::Pose)) {
         let what = match value {
             "pose" => "is the full pose, which every arm has".to_owned(),

@@ -187,10 +187,15 @@ fn in_table_units(violation: &Violation<'_>) -> String {
 /// Numbers in columns.
 fn numbers(values: &[f64], width: usize, digits: usize) -> String {
     // Adding 0 makes -0 a 0.
-    values.iter().map(|value| format!("{:width$.digits$}", value + 0.0)).collect()
+    row(values.iter().map(|value| format!("{:.digits$}", value + 0.0)), width)
 }
 
 /// Their headings.
 fn names(names: &[&str], width: usize) -> String {
-    names.iter().map(|name| format!("{name:>width$}")).collect()
+    row(names.iter().map(|name| (*name).to_owned()), width)
+}
+
+/// Words in columns.
+fn row(words: impl Iterator<Item = String>, width: usize) -> String {
+    words.fold(String::new(), |row, word| row + &format!("{word:>width$}"))
 }

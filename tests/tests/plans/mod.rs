@@ -41,7 +41,7 @@ pub(crate) fn polar() -> (Model, Plan) {
 }
 
 /// The planar arm with a problem of every kind of target, each with one candidate made of the target's first number
-/// and its last: for signatures.
+/// and its last: for signatures. The problem `given` leaves the second joint to the caller.
 pub(crate) fn every_target() -> (Model, Plan) {
     let kinds = [
         ("position", Target::Position),
@@ -59,22 +59,24 @@ pub(crate) fn every_target() -> (Model, Plan) {
     plan.functions.retain(|function| !matches!(function.kind, FunctionKind::Inverse(_)));
     model.problems =
         kinds.iter().map(|(name, target)| Problem { target: *target, ..problem(name, Vec::new()) }).collect();
+    model.problems.push(Problem { free: vec![1], ..problem("given", Vec::new()) });
     let every = [(None, Target::Pose)]
         .into_iter()
         .chain(kinds.iter().enumerate().map(|(i, (_, kind))| (Some(i), *kind)));
-    plan.functions.extend(every.map(|(problem, target)| {
-        let values: Vec<_> = target.input_names().iter().map(|name| (*name).to_owned()).collect();
-        let q = [0, values.len() - 1].map(|i| Scalar::Value(ValueId(i))).to_vec();
-        Function {
+    let mut add = |problem, inputs: &[&str]| {
+        let q = [0, inputs.len() - 1].map(|i| Scalar::Value(ValueId(i))).to_vec();
+        plan.functions.push(Function {
             kind: FunctionKind::Inverse(problem),
-            inputs: values.len(),
-            values,
+            inputs: inputs.len(),
+            values: inputs.iter().map(|name| (*name).to_owned()).collect(),
             steps: vec![Step::Accept { q }],
             outputs: Vec::new(),
             counts: Counts::default(),
             stages: Vec::new(),
-        }
-    }));
+        });
+    };
+    every.for_each(|(problem, target)| add(problem, target.input_names()));
+    add(Some(kinds.len()), &["px", "py", "q2"]);
     (model, plan)
 }
 

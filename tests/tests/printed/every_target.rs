@@ -82,7 +82,7 @@ impl EveryTarget {
     pub const SERVOS: [(&'static str, Servo<'static>); 0] = [];
     /// The inverse problems that are solved.
     #[rustfmt::skip]
-    pub const PROBLEMS: [ProblemInfo<'static>; 10] = [
+    pub const PROBLEMS: [ProblemInfo<'static>; 11] = [
         ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
         ProblemInfo { name: "position", target: TargetKind::Position, free: &[] },
         ProblemInfo { name: "position_direction", target: TargetKind::PositionDirection, free: &[] },
@@ -93,6 +93,7 @@ impl EveryTarget {
         ProblemInfo { name: "lookat", target: TargetKind::Lookat, free: &[] },
         ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[] },
         ProblemInfo { name: "xy_yaw", target: TargetKind::XyYaw, free: &[] },
+        ProblemInfo { name: "given", target: TargetKind::Xy, free: &[1] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -638,6 +639,26 @@ impl EveryTarget {
         solutions.within(&Self::RULES, tool_point, Some(seed))
     }
 
+    /// Every geometric solution of the table's problem `given`, limits ignored; joints that turn
+    /// are in (-pi, pi].
+    ///
+    /// `position`: x and y of the tool point in the base frame (m).
+    ///
+    /// `free`: the values of J2 (rad).
+    ///
+    /// Besides solving, on each branch: 0 multiplications, 0 additions, 0 sine-cosine pairs.
+    ///
+    /// # Errors
+    ///
+    /// [`IkError`]: the first step of the solution that fails decides.
+    pub fn ik_at_given(
+        &self,
+        position: &Point2<f64>,
+        free: &[f64; 1],
+    ) -> Result<Solutions<2>, IkError> {
+        solve_given(&Target::Xy((*position).into()), free)
+    }
+
     /// This arm with another frame at its tool: the pose (m) of the tool point in the table's tool
     /// frame.
     #[must_use]
@@ -854,6 +875,21 @@ fn solve_xy_yaw(target: &Target) -> Result<Solutions<2>, IkError> {
     search.finish()
 }
 
+/// Every solution of `given`.
+#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
+fn solve_given(target: &Target, free: &[f64; 1]) -> Result<Solutions<2>, IkError> {
+    let target = target.validate_as(TargetKind::Xy)?;
+    let [px, _] = target.numbers().array();
+    let [q2] = *free;
+    let mut search = Search::new(REACH, &WINDINGS);
+
+    let q = [px, q2];
+    let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+    search.accept(q, position_error, rotation_error);
+    search.finish()
+}
+
 impl Kinematics for EveryTarget {
     fn name(&self) -> &str {
         Self::NAME
@@ -909,6 +945,7 @@ impl Kinematics for EveryTarget {
             "lookat" => solve_lookat(target)?,
             "xy" => solve_xy(target)?,
             "xy_yaw" => solve_xy_yaw(target)?,
+            "given" => solve_given(target, joint_array(&[])?)?,
             _ => return Err(IkError::UnknownProblem),
         };
         out.fill(Self::DOF, &solutions);

@@ -81,7 +81,7 @@ impl EveryTarget {
     pub const SERVOS: [(&'static str, Servo<'static, f32>); 0] = [];
     /// The inverse problems that are solved.
     #[rustfmt::skip]
-    pub const PROBLEMS: [ProblemInfo<'static>; 10] = [
+    pub const PROBLEMS: [ProblemInfo<'static>; 11] = [
         ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
         ProblemInfo { name: "position", target: TargetKind::Position, free: &[] },
         ProblemInfo { name: "position_direction", target: TargetKind::PositionDirection, free: &[] },
@@ -92,6 +92,7 @@ impl EveryTarget {
         ProblemInfo { name: "lookat", target: TargetKind::Lookat, free: &[] },
         ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[] },
         ProblemInfo { name: "xy_yaw", target: TargetKind::XyYaw, free: &[] },
+        ProblemInfo { name: "given", target: TargetKind::Xy, free: &[1] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -654,6 +655,26 @@ impl EveryTarget {
         solutions.within(&Self::RULES, tool_point, Some(seed))
     }
 
+    /// Every geometric solution of the table's problem `given`, limits ignored; joints that turn
+    /// are in (-pi, pi].
+    ///
+    /// `position`: x and y of the tool point in the base frame (m).
+    ///
+    /// `free`: the values of J2 (rad).
+    ///
+    /// Besides solving, on each branch: 0 multiplications, 0 additions, 0 sine-cosine pairs.
+    ///
+    /// # Errors
+    ///
+    /// [`IkError`]: the first step of the solution that fails decides.
+    pub fn ik_at_given(
+        &self,
+        position: &[f32; 2],
+        free: &[f32; 1],
+    ) -> Result<Solutions<2, f32>, IkError<f32>> {
+        solve_given(&Target::Xy(*position), free)
+    }
+
     /// This arm with another frame at its tool: the pose (m) of the tool point in the table's tool
     /// frame.
     #[must_use]
@@ -747,7 +768,6 @@ fn tool_point(q: &[f32; 2]) -> [f32; 3] {
 
 /// Every solution of the full pose.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_pose(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Pose)?;
     let [r11, _, _, _, _, _, _, _, _, _, _, pz] = target.numbers().array();
@@ -761,7 +781,6 @@ fn solve_pose(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `position`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_position(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Position)?;
     let [px, _, pz] = target.numbers().array();
@@ -775,7 +794,6 @@ fn solve_position(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32
 
 /// Every solution of `position_direction`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_position_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::PositionDirection)?;
     let [px, _, _, _, _, zz] = target.numbers().array();
@@ -789,7 +807,6 @@ fn solve_position_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, I
 
 /// Every solution of `position_yaw`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_position_yaw(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::PositionYaw)?;
     let [px, _, _, _, syaw] = target.numbers().array();
@@ -803,7 +820,6 @@ fn solve_position_yaw(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError
 
 /// Every solution of `rotation`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_rotation(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Rotation)?;
     let [r11, _, _, _, _, _, _, _, r33] = target.numbers().array();
@@ -817,7 +833,6 @@ fn solve_rotation(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32
 
 /// Every solution of `direction`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Direction)?;
     let [zx, _, zz] = target.numbers().array();
@@ -831,7 +846,6 @@ fn solve_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f3
 
 /// Every solution of `ray`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_ray(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Ray)?;
     let [px, _, _, _, _, zz] = target.numbers().array();
@@ -845,7 +859,6 @@ fn solve_ray(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `lookat`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_lookat(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Lookat)?;
     let [px, _, pz] = target.numbers().array();
@@ -859,7 +872,6 @@ fn solve_lookat(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>>
 
 /// Every solution of `xy`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_xy(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
@@ -873,13 +885,27 @@ fn solve_xy(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `xy_yaw`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_xy_yaw(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::XyYaw)?;
     let [px, _, _, syaw] = target.numbers().array();
     let mut search = Search::new(REACH, &WINDINGS);
 
     let q = [px, syaw];
+    let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+    search.accept(q, position_error, rotation_error);
+    search.finish()
+}
+
+/// Every solution of `given`.
+#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
+fn solve_given(target: &Target<f32>, free: &[f32; 1]) -> Result<Solutions<2, f32>, IkError<f32>> {
+    let target = target.validate_as(TargetKind::Xy)?;
+    let [px, _] = target.numbers().array();
+    let [q2] = *free;
+    let mut search = Search::new(REACH, &WINDINGS);
+
+    let q = [px, q2];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
     search.accept(q, position_error, rotation_error);
     search.finish()
@@ -940,6 +966,7 @@ impl Kinematics<f32> for EveryTarget {
             "lookat" => solve_lookat(target)?,
             "xy" => solve_xy(target)?,
             "xy_yaw" => solve_xy_yaw(target)?,
+            "given" => solve_given(target, joint_array(&[])?)?,
             _ => return Err(IkError::UnknownProblem),
         };
         out.fill(Self::DOF, &solutions);

@@ -366,7 +366,6 @@ fn tool_point(q: &[f32; 2]) -> [f32; 3] {
 
 /// Every solution of `xy`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_xy(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     const THETA2: Step = Step::new(0, 0b10, false, Measure::Area);
     const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
@@ -398,7 +397,6 @@ fn solve_xy(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `elbow_up`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_elbow_up(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
     const THETA2: Step = Step::new(0, 0b10, false, Measure::Area);
     const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);

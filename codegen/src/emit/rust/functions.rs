@@ -39,7 +39,7 @@ impl<'a> Printer<'a> {
     pub(super) fn tool_point(&self, text: &mut Text) {
         text.gap();
         text.line("/// Where the tool point is (m).");
-        self.small_arguments(text);
+        self.small_arguments(text, self.dof());
         text.open(format!("fn tool_point(q: &{}) -> [{}; 3] {{", self.joints_type(), self.scalar()));
         text.line("forward_kinematics(q).translation");
         text.close("}");
@@ -62,7 +62,8 @@ impl<'a> Printer<'a> {
             _ => ("The frame of every row, base first.", self.frames_type(&frame())),
         };
         text.line(format!("/// {what}"));
-        self.allowances(text, &lines);
+        Self::allowances(text, &lines);
+        self.small_arguments(text, self.dof());
         text.line("#[inline]");
         let q = if reads { "q" } else { "_q" };
         text.open(format!("fn {}({q}: &{}) -> {ty} {{", private_name(&function.kind), self.joints_type()));
@@ -92,22 +93,21 @@ impl<'a> Printer<'a> {
     }
 
     /// Lints that a function's text cannot help.
-    pub(super) fn allowances(&self, text: &mut Text, body: &str) {
+    pub(super) fn allowances(text: &mut Text, body: &str) {
         let mut lints = vec!["clippy::similar_names"];
         if body.lines().count() > MANY_LINES {
             lints.push("clippy::too_many_lines");
         }
         text.allow(&lints, "the names are those of the equations");
-        self.small_arguments(text);
     }
 
-    /// Joint values are passed by reference, however few they are.
-    fn small_arguments(&self, text: &mut Text) {
+    /// So many joint values are passed by reference, however few they are.
+    pub(super) fn small_arguments(&self, text: &mut Text, count: usize) {
         let bytes = match self.options.scalar {
             ScalarType::F64 => 8,
             ScalarType::F32 => 4,
         };
-        if bytes * self.dof() <= 8 {
+        if bytes * count <= 8 {
             text.allow(&["clippy::trivially_copy_pass_by_ref"], "as for every arm");
         }
     }

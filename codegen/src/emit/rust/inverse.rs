@@ -1,14 +1,14 @@
-//! Inverse functions: the nested search, and the methods that call it.
+//! Inverse functions: the nested search.
 
 use super::Printer;
 use super::body::{Body, Locals};
-use super::documentation::{joint_units, operations, stages};
 use super::layout::{Expression, statement};
 use super::names::function_suffix;
 use super::number::{self, number};
 use super::text::{Text, clean};
 use crate::model::{Filter, JointKind, Problem, Row, Target};
-use crate::plan::{Function, FunctionKind, Measure, Scalar, Stage, ValueId, target_inputs};
+use crate::plan::{Function, FunctionKind, Measure, Scalar, Stage, ValueId};
+use dh_core::FULL_POSE;
 
 impl<'a> Printer<'a> {
     /// The inverse functions of the plan with the problems that they solve; `None` is the full pose.
@@ -19,83 +19,6 @@ impl<'a> Printer<'a> {
             FunctionKind::Inverse(Some(problem)) => Some((function, Some(model.problems.get(problem)?))),
             _ => None,
         })
-    }
-
-    /// The methods.
-    pub(super) fn inverse_methods(&self, text: &mut Text) {
-        for (function, problem) in self.inverse_functions() {
-            self.methods_of(text, function, problem);
-        }
-    }
-
-    fn methods_of(&self, text: &mut Text, function: &Function, problem: Option<&Problem>) {
-        let arguments = self.arguments(target_of(problem));
-        let suffix = problem.map_or(String::new(), |problem| format!("_{}", function_suffix(&problem.name)));
-        let result = format!(
-            "{}<{}, {}>",
-            self.paths.prelude("Result"),
-            self.sized_type("Solutions"),
-            self.runtime_type("IkError")
-        );
-        let names = arguments.names.join(", ");
-        let parameters: Vec<_> = core::iter::once("&self".to_owned()).chain(arguments.parameters).collect();
-        let seeded: Vec<_> =
-            parameters.iter().cloned().chain([format!("seed: &{}", self.joints_type())]).collect();
-        let solve = private_name(problem);
-        let errors =
-            format!("{}: the first step of the solution that fails decides.", self.paths.link("IkError"));
-        let units = joint_units(self.model);
-
-        text.gap();
-        let mut paragraphs = vec![
-            format!(
-                "Every geometric solution {}, limits ignored; joints that turn are in (-pi, pi].",
-                purpose(problem)
-            ),
-            format!("{}.", arguments.meaning),
-        ];
-        paragraphs.extend(problem.and_then(conditions));
-        if let Some(stages) = stages(function) {
-            paragraphs.push("Solved one after the other:".to_owned());
-            paragraphs.push(stages);
-        }
-        paragraphs.push(format!("Besides solving, on each branch: {}", operations(function.counts)));
-        paragraphs.extend(["# Errors".to_owned(), errors]);
-        text.documentation(paragraphs);
-        text.signature(&format!("pub fn ik_all{suffix}"), &parameters, &result);
-        let call = Expression::Call(solve, vec![arguments.target]);
-        text.laid_out(&statement(text.indent(), "", &call, ""));
-        text.close("}");
-
-        let solutions = format!("let solutions = self.ik_all{suffix}({names})?;");
-        let within = "solutions.within(&Self::RULES, tool_point,";
-        let limits = "where there are solutions, but none is allowed, which limit or rule the nearest to being allowed breaks.";
-        text.gap();
-        text.documentation([
-            format!(
-                "The solutions {} that whole turns bring inside the limits and no rule forbids, each in the \
-                 representative nearest to the middle of the limits. Never empty.",
-                purpose(problem)
-            ),
-            format!("{}.", arguments.meaning),
-            "# Errors".to_owned(),
-            format!("As [`Self::ik_all{suffix}`]; {limits}"),
-        ]);
-        text.signature(&format!("pub fn ik{suffix}"), &parameters, &result);
-        text.line(&solutions);
-        text.line(format!("{within} {})", self.paths.prelude("None")));
-        text.close("}");
-
-        text.gap();
-        text.documentation([
-            format!("[`Self::ik{suffix}`], each in the representative nearest to `seed` ({units}), the nearest first."),
-            "# Errors".to_owned(),
-            format!("As [`Self::ik{suffix}`]."),
-        ]);
-        text.signature(&format!("pub fn ik{suffix}_near"), &seeded, &result);
-        text.line(&solutions);
-        text.line(format!("{within} {}(seed))", self.paths.prelude("Some")));
-        text.close("}");
     }
 
     /// The private functions that search.
@@ -116,8 +39,12 @@ impl<'a> Printer<'a> {
         lines.gap();
         let kind = format!("{}::{:?}", self.paths.runtime("TargetKind"), target_of(problem));
         lines.line(format!("let target = target.validate_as({kind})?;"));
-        if let Some(numbers) = numbers_pattern(function, problem, &body) {
+        let (numbers, free) = input_patterns(function, problem, &body);
+        if let Some(numbers) = numbers {
             lines.line(format!("let {numbers} = target.numbers().array();"));
+        }
+        if let Some(free) = &free {
+            lines.line(format!("let {free} = *free;"));
         }
         lines.line(format!(
             "let mut search = {}::new({}, &{});",
@@ -132,18 +59,18 @@ impl<'a> Printer<'a> {
         let name =
             problem.map_or("the full pose".to_owned(), |problem| format!("`{}`", clean(&problem.name)));
         text.line(format!("/// Every solution of {name}."));
-        self.allowances(text, &lines);
-        let result = format!(
-            "{}<{}, {}>",
-            self.paths.prelude("Result"),
-            self.sized_type("Solutions"),
-            self.runtime_type("IkError")
-        );
-        text.signature(
-            &format!("fn {}", private_name(problem)),
-            &[format!("target: &{}", self.runtime_type("Target"))],
-            &result,
-        );
+        Self::allowances(text, &lines);
+        allow_case(text, &private_name(problem));
+        let mut parameters = vec![format!("target: &{}", self.runtime_type("Target"))];
+        if let Some(count) = free_count(problem) {
+            self.small_arguments(text, count);
+            parameters.push(format!(
+                "{}: &[{}; {count}]",
+                if free.is_some() { "free" } else { "_free" },
+                self.scalar()
+            ));
+        }
+        text.signature(&format!("fn {}", private_name(problem)), &parameters, &self.inverse_result());
         text.append(&lines);
         text.close("}");
     }
@@ -253,40 +180,46 @@ impl Printer<'_> {
 
 /// The name of the private function that solves a problem.
 pub(super) fn private_name(problem: Option<&Problem>) -> String {
-    problem.map_or("solve_pose".to_owned(), |problem| format!("solve_{}", function_suffix(&problem.name)))
+    match suffix(problem).as_str() {
+        "" => "solve_pose".to_owned(),
+        suffix => format!("solve{suffix}"),
+    }
 }
 
-fn target_of(problem: Option<&Problem>) -> Target {
+/// What follows `ik` in the names of a problem's methods: nothing for the full pose, in whichever way it is solved.
+pub(super) fn suffix(problem: Option<&Problem>) -> String {
+    match problem {
+        Some(problem) if problem.name != FULL_POSE => format!("_{}", function_suffix(&problem.name)),
+        _ => String::new(),
+    }
+}
+
+/// Names that are not in snake case are the table's.
+pub(super) fn allow_case(text: &mut Text, name: &str) {
+    if name.chars().any(|c| c.is_ascii_uppercase()) {
+        text.allow(&["non_snake_case"], "the name is that of the table");
+    }
+}
+
+pub(super) fn target_of(problem: Option<&Problem>) -> Target {
     problem.map_or(Target::Pose, |problem| problem.target)
 }
 
-/// What the solutions are for.
-fn purpose(problem: Option<&Problem>) -> String {
-    match problem {
-        None => "that brings the tool frame to a pose".to_owned(),
-        Some(problem) => format!("of the table's problem `{}`", clean(&problem.name)),
-    }
+/// How many joints a problem leaves to the caller, where it does.
+pub(super) fn free_count(problem: Option<&Problem>) -> Option<usize> {
+    problem.map(|problem| problem.free.len()).filter(|count| *count > 0)
 }
 
-/// The constraints and inequalities of a problem, as they were written.
-fn conditions(problem: &Problem) -> Option<String> {
-    let quoted = |text: &str| format!("`{}`", clean(text).replace('`', "'"));
-    let mut parts = Vec::new();
-    if !problem.constraints.is_empty() {
-        let constraints: Vec<_> =
-            problem.constraints.iter().map(|constraint| quoted(&constraint.text)).collect();
-        parts.push(format!("With {}", constraints.join(", ")));
-    }
-    if !problem.filters.is_empty() {
-        let filters: Vec<_> = problem.filters.iter().map(|filter| quoted(&filter.form.text)).collect();
-        parts.push(format!("{} {}", if parts.is_empty() { "Where" } else { "where" }, filters.join(", ")));
-    }
-    (!parts.is_empty()).then(|| format!("{}.", parts.join(", ")))
-}
-
-/// `[r11, _, r13, ..]`: the numbers of the target that are read.
-fn numbers_pattern(function: &Function, problem: Option<&Problem>, body: &Body<'_>) -> Option<String> {
-    let count = target_inputs(target_of(problem)).len().min(function.inputs);
-    let names: Vec<_> = (0..count).map(|i| body.name(ValueId(i))).collect();
-    names.iter().any(|name| *name != "_").then(|| format!("[{}]", names.join(", ")))
+/// `[r11, _, r13, ..]`: the numbers of the target that are read, and the values of free joints that are.
+fn input_patterns(
+    function: &Function,
+    problem: Option<&Problem>,
+    body: &Body<'_>,
+) -> (Option<String>, Option<String>) {
+    let pattern = |range: core::ops::Range<usize>| {
+        let names: Vec<_> = range.map(|i| body.name(ValueId(i))).collect();
+        names.iter().any(|name| *name != "_").then(|| format!("[{}]", names.join(", ")))
+    };
+    let numbers = target_of(problem).input_names().len().min(function.inputs);
+    (pattern(0..numbers), pattern(numbers..function.inputs))
 }

@@ -1,7 +1,7 @@
 //! The object-safe view: `impl Kinematics`.
 
 use super::Printer;
-use super::inverse::private_name;
+use super::inverse::{free_count, private_name};
 use super::text::Text;
 use crate::plan::FunctionKind;
 
@@ -105,7 +105,11 @@ impl Printer<'_> {
             for (_, problem) in self.inverse_functions() {
                 let name = problem
                     .map_or_else(|| self.paths.runtime("FULL_POSE"), |problem| format!("{:?}", problem.name));
-                text.line(format!("{name} => {}(target)?,", private_name(problem)));
+                let solve = private_name(problem);
+                // The trait has no place for the values of free joints.
+                let none =
+                    free_count(problem).map(|_| format!(", {}(&[])?", self.paths.runtime("joint_array")));
+                text.line(format!("{name} => {solve}(target{})?,", none.unwrap_or_default()));
             }
             text.line(format!("_ => return {err}({unknown}),"));
             text.close("};");

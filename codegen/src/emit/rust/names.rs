@@ -96,7 +96,7 @@ pub fn struct_name(robot: &str) -> String {
 
 /// The name of an inverse problem as part of a function's name.
 pub(super) fn function_suffix(problem: &str) -> String {
-    identifier(problem).to_lowercase()
+    identifier(problem)
 }
 
 #[cfg(test)]

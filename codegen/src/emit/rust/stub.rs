@@ -9,6 +9,7 @@ use crate::model::{
     Units, Workspace,
 };
 use crate::plan::{Counts, Function, FunctionKind, Plan, Scalar};
+use dh_core::FULL_POSE;
 
 /// What could be read of a table.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -152,7 +153,9 @@ fn hollow_plan(model: &Model) -> Plan {
         let inputs = target.input_names().iter().map(ToString::to_string).collect();
         function(FunctionKind::Inverse(problem), inputs, 0)
     };
-    functions.push(inverse(None, Target::Pose));
+    if model.problems.iter().all(|problem| problem.name != FULL_POSE) {
+        functions.push(inverse(None, Target::Pose));
+    }
     functions.extend(model.problems.iter().enumerate().map(|(i, problem)| inverse(Some(i), problem.target)));
     Plan { constants: Vec::new(), functions }
 }

@@ -18,9 +18,12 @@ pub(super) fn write(arena: Arena, problem: &Problem, unknowns: &Unknowns, end: &
         Writer { arena, unknowns, end, exprs: BTreeMap::new(), defined: std::collections::BTreeSet::new() };
     let inputs =
         problem.target.input_names().iter().map(|name| writer.arena.leaf(name, Leaf::Known)).collect();
-    let stages = end.found.iter().map(|found| writer.stage(found)).collect();
+    let stages: Vec<Stage> = end.found.iter().map(|found| writer.stage(found)).collect();
     let free = writer.free_by_roots();
-    let joints = unknowns.joints.iter().map(|form| linear(form, &free)).collect();
+    let mut joints: Vec<Linear> = unknowns.joints.iter().map(|form| linear(form, &free)).collect();
+    for joint in &mut joints {
+        joint.terms.sort_by_key(|(stage, _)| stages.get(*stage).map(|stage| stage.rows.clone()));
+    }
     Derivation { arena: writer.arena, inputs, stages, joints }
 }
 

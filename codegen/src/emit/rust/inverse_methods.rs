@@ -1,0 +1,180 @@
+//! Inverse functions as methods: every solution, those that limits allow, those nearest to a seed.
+
+use super::Printer;
+use super::documentation::{joint_units, operations, stages};
+use super::inverse::{allow_case, free_count, private_name, suffix, target_of};
+use super::layout::{Expression, statement};
+use super::targets::Arguments;
+use super::text::{Text, clean};
+use crate::model::Problem;
+use crate::plan::Function;
+
+/// What the methods of one problem have in common.
+struct Methods<'a> {
+    function: &'a Function,
+    problem: Option<&'a Problem>,
+    /// `_tool_down`, or nothing for the full pose.
+    suffix: String,
+    arguments: Arguments,
+}
+
+impl Methods<'_> {
+    /// The parameters, self first.
+    fn parameters(&self, last: Option<String>) -> Vec<String> {
+        let own = self.arguments.parameters.iter().cloned();
+        core::iter::once("&self".to_owned()).chain(own).chain(last).collect()
+    }
+
+    /// What the solutions are for.
+    fn purpose(&self) -> String {
+        match self.problem {
+            Some(problem) if !self.suffix.is_empty() => {
+                format!("of the table's problem `{}`", clean(&problem.name))
+            }
+            _ => "that brings the tool frame to a pose".to_owned(),
+        }
+    }
+}
+
+impl Printer<'_> {
+    /// The methods of all inverse functions.
+    pub(super) fn inverse_methods(&self, text: &mut Text) {
+        for (function, problem) in self.inverse_functions() {
+            let arguments = self.arguments(target_of(problem));
+            let methods = Methods { function, problem, suffix: suffix(problem), arguments };
+            if let Some(count) = free_count(problem) {
+                self.geometric(text, &methods, "at", Some(count));
+            } else {
+                self.geometric(text, &methods, "all", None);
+                self.allowed(text, &methods);
+                self.nearest(text, &methods);
+            }
+        }
+    }
+
+    /// `ik_all`: every solution; `ik_at`, where joints are left to the caller.
+    fn geometric(&self, text: &mut Text, methods: &Methods<'_>, name: &str, free: Option<usize>) {
+        let Methods { function, problem, suffix, arguments } = methods;
+        let mut paragraphs = vec![
+            format!(
+                "Every geometric solution {}, limits ignored; joints that turn are in (-pi, pi].",
+                methods.purpose()
+            ),
+            format!("{}.", arguments.meaning),
+        ];
+        paragraphs.extend(problem.filter(|_| free.is_some()).map(|problem| self.free_joints(problem)));
+        paragraphs.extend(problem.and_then(conditions));
+        if let Some(stages) = stages(function) {
+            paragraphs.push("Solved one after the other:".to_owned());
+            paragraphs.push(stages);
+        }
+        paragraphs.push(format!("Besides solving, on each branch: {}", operations(function.counts)));
+        paragraphs.push("# Errors".to_owned());
+        paragraphs.push(format!(
+            "{}: the first step of the solution that fails decides.",
+            self.paths.link("IkError")
+        ));
+        text.gap();
+        text.documentation(paragraphs);
+        allow_case(text, suffix);
+        let last = free.map(|count| format!("free: &[{}; {count}]", self.scalar()));
+        text.signature(
+            &format!("pub fn ik_{name}{suffix}"),
+            &methods.parameters(last),
+            &self.inverse_result(),
+        );
+        let mut passed = vec![arguments.target.clone()];
+        passed.extend(free.map(|_| Expression::Atom("free".to_owned())));
+        let call = Expression::Call(private_name(*problem), passed);
+        text.laid_out(&statement(text.indent(), "", &call, ""));
+        text.close("}");
+    }
+
+    /// `ik`: those that whole turns bring inside the limits.
+    fn allowed(&self, text: &mut Text, methods: &Methods<'_>) {
+        let Methods { suffix, arguments, .. } = methods;
+        text.gap();
+        text.documentation([
+            format!(
+                "The solutions {} that whole turns bring inside the limits and no rule forbids, each in the \
+                 representative nearest to the middle of the limits. Never empty.",
+                methods.purpose()
+            ),
+            format!("{}.", arguments.meaning),
+            "# Errors".to_owned(),
+            format!(
+                "As [`Self::ik_all{suffix}`]; where there are solutions, but none is allowed, which limit or rule \
+                 the nearest to being allowed breaks."
+            ),
+        ]);
+        allow_case(text, suffix);
+        text.signature(&format!("pub fn ik{suffix}"), &methods.parameters(None), &self.inverse_result());
+        Self::within(text, methods, &self.paths.prelude("None"));
+    }
+
+    /// `ik_near`: the same, by their distance from a seed.
+    fn nearest(&self, text: &mut Text, methods: &Methods<'_>) {
+        let suffix = &methods.suffix;
+        let units = joint_units(self.model);
+        text.gap();
+        text.documentation([
+            format!(
+                "[`Self::ik{suffix}`], each in the representative nearest to `seed` ({units}), the nearest first."
+            ),
+            "# Errors".to_owned(),
+            format!("As [`Self::ik{suffix}`]."),
+        ]);
+        allow_case(text, suffix);
+        let seed = format!("seed: &{}", self.joints_type());
+        let parameters = methods.parameters(Some(seed));
+        text.signature(&format!("pub fn ik{suffix}_near"), &parameters, &self.inverse_result());
+        Self::within(text, methods, &format!("{}(seed)", self.paths.prelude("Some")));
+    }
+
+    /// All solutions, and of these the ones that are allowed.
+    fn within(text: &mut Text, methods: &Methods<'_>, seed: &str) {
+        let names = methods.arguments.names.join(", ");
+        text.line(format!("let solutions = self.ik_all{}({names})?;", methods.suffix));
+        text.line(format!("solutions.within(&Self::RULES, tool_point, {seed})"));
+        text.close("}");
+    }
+
+    /// Which joints the caller gives.
+    fn free_joints(&self, problem: &Problem) -> String {
+        let rows = problem.free.iter().filter_map(|joint| self.model.joints.get(*joint));
+        let names: Vec<_> = rows
+            .filter_map(|row| self.model.rows.get(*row))
+            .map(|row| format!("{} ({})", clean(&row.name), row_unit(row)))
+            .collect();
+        format!("`free`: the values of {}.", names.join(", "))
+    }
+
+    /// `Result<Solutions<6>, IkError>`
+    pub(super) fn inverse_result(&self) -> String {
+        let (solutions, error) = (self.sized_type("Solutions"), self.runtime_type("IkError"));
+        format!("{}<{solutions}, {error}>", self.paths.prelude("Result"))
+    }
+}
+
+fn row_unit(row: &crate::model::Row) -> &'static str {
+    match row.kind {
+        crate::model::JointKind::Revolute => "rad",
+        crate::model::JointKind::Prismatic => "m",
+    }
+}
+
+/// The constraints and inequalities of a problem, as they were written.
+fn conditions(problem: &Problem) -> Option<String> {
+    let quoted = |text: &str| format!("`{}`", clean(text).replace('`', "'"));
+    let mut parts = Vec::new();
+    if !problem.constraints.is_empty() {
+        let constraints: Vec<_> =
+            problem.constraints.iter().map(|constraint| quoted(&constraint.text)).collect();
+        parts.push(format!("With {}", constraints.join(", ")));
+    }
+    if !problem.filters.is_empty() {
+        let filters: Vec<_> = problem.filters.iter().map(|filter| quoted(&filter.form.text)).collect();
+        parts.push(format!("{} {}", if parts.is_empty() { "Where" } else { "where" }, filters.join(", ")));
+    }
+    (!parts.is_empty()).then(|| format!("{}.", parts.join(", ")))
+}
