@@ -171,14 +171,14 @@ impl Sum {
         }
     }
 
-    /// As one term; a sum of several in parentheses, with its sign before them where all of them have it.
+    /// As one term; a sum of several in parentheses, with a sign before them where most of them have it.
     fn into_term(mut self) -> Term {
         if self.0.len() == 1
             && let Some(term) = self.0.pop()
         {
             return term;
         }
-        let negative = self.0.iter().all(|term| term.negative);
+        let negative = 2 * self.0.iter().filter(|term| term.negative).count() > self.0.len();
         let sum = if negative { self.neg() } else { self };
         Term { negative, number: 1.0, factors: vec![(Factor::Sum(sum), 1)] }
     }

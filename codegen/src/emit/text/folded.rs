@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn notes_of_folded_constants() {
         assert_eq!(read("= 2 a2 a3").as_deref(), Some("2 a2 a3"));
-        assert_eq!(read("= -a3^2 - (a2 + d4) a3").as_deref(), Some("-a3^2 - a3 (a2 + d4)"));
+        assert_eq!(read("= -a3^2 - (a2 + d4) a3").as_deref(), Some("-a3 (a2 + d4) - a3^2"));
         assert_eq!(read("= 1/2 a2").as_deref(), Some("0.5 a2"));
         assert_eq!(read("= sqrt(4)/4 a2").as_deref(), Some("0.5 a2"));
     }

@@ -84,7 +84,10 @@ fn break_before(line: &str, width: usize) -> Option<usize> {
     let mut best: Option<(usize, usize)> = None;
     let mut fallback = None;
     let bytes = line.as_bytes();
-    for (at, byte) in bytes.iter().enumerate().take(width + 1) {
+    for (at, byte) in bytes.iter().enumerate() {
+        if at > width && fallback.is_some() {
+            break;
+        }
         match byte {
             b'(' => depth += 1,
             b')' => depth = depth.saturating_sub(1),
@@ -96,7 +99,7 @@ fn break_before(line: &str, width: usize) -> Option<usize> {
                     continue;
                 }
                 let rank = 2 * depth + if operator { 0 } else { 3 };
-                if at > width / 3 && best.is_none_or(|(least, _)| rank <= least) {
+                if at > width / 3 && at <= width && best.is_none_or(|(least, _)| rank <= least) {
                     best = Some((rank, at));
                 }
                 fallback = Some(at);
