@@ -1,6 +1,6 @@
 //! Random tables: every way of the format to write a chain, and joint values to try it at.
 //!
-//! A strategy draws a [`Spec`], small numbers that shrink well, and prints it as a table; the oracle reads that text
+//! A strategy draws a `Spec`, small numbers that shrink well, and prints it as a table; the oracle reads that text
 //! like anybody's.
 
 use std::fmt::Write;

@@ -1,8 +1,8 @@
 //! The interpreter: runs a plan as it stands, with the kernels and in the order of operations of generated code, so
 //! that both give the same bits.
 //!
-//! A [`Program`] is a plan that was checked and lowered to instructions once; an [`Interpreter`] on it is an arm like
-//! any generated one, a [`dh_core::Kinematics`], in any scalar type.
+//! A `Program` is a plan that was checked and lowered to instructions once; an `Interpreter` on it is an arm like
+//! any generated one, a `dh_core::Kinematics`, in any scalar type.
 
 mod error;
 mod filter;
