@@ -225,10 +225,11 @@ fn take(state: &mut State, found: Found) -> Result<(), Overflow> {
     settle(state)
 }
 
-/// Reads all equations anew, abbreviates what is known, and drops what says nothing.
+/// Reads all equations anew, abbreviates what is known, and drops what says nothing new: equations without unknowns,
+/// and vectors whose rows all stand in an earlier frame too (there is one wherever a joint is held).
 fn settle(state: &mut State) -> Result<(), Overflow> {
-    let mut kept: Vec<Equation> = Vec::new();
-    let mut seen = BTreeSet::new();
+    let mut groups: Vec<(BTreeSet<Polynomial>, Vec<Equation>)> = Vec::new();
+    let mut last = None;
     for equation in std::mem::take(&mut state.equations) {
         let mut reading = Reading::new(&equation.polynomial, &state.open)?;
         if reading.is_known() {
@@ -236,11 +237,22 @@ fn settle(state: &mut State) -> Result<(), Overflow> {
         }
         reading::abbreviate(&mut reading, &mut state.atoms, &equation.name)?;
         let polynomial = reading.polynomial()?;
-        if seen.insert((equation.group, polynomial.monic()?)) {
-            kept.push(Equation { polynomial, ..equation });
+        if last.replace(equation.group) != Some(equation.group) {
+            groups.push((BTreeSet::new(), Vec::new()));
+        }
+        if let Some((rows, equations)) = groups.last_mut()
+            && rows.insert(polynomial.monic()?)
+        {
+            equations.push(Equation { polynomial, ..equation });
         }
     }
-    state.equations = kept;
+    let mut kept: Vec<(BTreeSet<Polynomial>, Vec<Equation>)> = Vec::new();
+    for (rows, equations) in groups {
+        if !kept.iter().any(|(known, _)| rows.is_subset(known)) {
+            kept.push((rows, equations));
+        }
+    }
+    state.equations = kept.into_iter().flat_map(|(_, equations)| equations).collect();
     Ok(())
 }
 
