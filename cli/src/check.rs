@@ -37,6 +37,9 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
         match Robot::load(table, Level::Full) {
             Ok(robot) => {
                 robot.warn();
+                if !robot.has_all() {
+                    status = Status::Wrong;
+                }
                 write!(out, "{separator}{}", report(&robot))?;
                 out.flush()?;
                 separator = "\n";

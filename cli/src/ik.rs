@@ -70,7 +70,7 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
     if arguments.stdin && !arguments.target.is_empty() {
         return Err(Failure::Usage("with --stdin the targets are read, not given by flags".to_owned()));
     }
-    let robot = Robot::load(&arguments.table, Level::Quick)?;
+    let robot = Robot::load(&arguments.table, Level::Full)?;
     let program = robot.program()?;
     let arm = program.interpreter().map_err(|error| robot.unusable(&error))?;
     let near = arguments.near.as_ref().map(|List(near)| robot.units().joints_in_si(near)).transpose()?;

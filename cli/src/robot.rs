@@ -5,6 +5,7 @@ use crate::units::Units;
 use dh_build::{FindError, Source};
 use dh_codegen::diagnostic::{Diagnostics, Severity, Style};
 use dh_codegen::model::Model;
+use dh_codegen::plan::FunctionKind;
 use dh_codegen::plan::eval::{PlanError, Program};
 use dh_codegen::verify::Level;
 use dh_codegen::{Output, compile};
@@ -21,6 +22,15 @@ pub(crate) struct Robot {
 }
 
 impl Robot {
+    /// Whether every problem of the table has its function.
+    pub(crate) fn has_all(&self) -> bool {
+        let solved = |index| {
+            let kind = FunctionKind::Inverse(Some(index));
+            self.output.plan.functions.iter().any(|function| function.kind == kind)
+        };
+        (0..self.output.model.problems.len()).all(solved)
+    }
+
     /// Finds and compiles a table.
     ///
     /// # Errors

@@ -373,11 +373,14 @@ pub struct Linear {
     pub span: Span,
 }
 
-/// An inequality: `form <= 0`, or `form < 0` where `strict`.
+/// An inequality: `form + q <= 0`, or `< 0` where `strict`. Variables stay as they are written, since theta and q are
+/// each taken in (-pi, pi] before they are added up.
 #[derive(Debug, Clone)]
 pub struct Filter {
-    /// Left-hand side.
+    /// Thetas and ds of rows, and the constant.
     pub form: Linear,
+    /// (index of q, coefficient).
+    pub q: Vec<(usize, f64)>,
     /// `<` rather than `<=`.
     pub strict: bool,
 }

@@ -3,6 +3,10 @@
 use crate::rules::slack;
 use crate::{Float, Rules, Winding};
 
+/// How many choices of turns are looked at before the rest is given up: joints that turn hundreds of times under a
+/// limit on their sum have more than anybody waits for.
+const MOST_VISITS: u32 = 1 << 20;
+
 /// Sets of joint values that differ by whole turns, inside the joint limits and the limits on sums. Made by
 /// [`Solution::windings`](crate::Solution::windings); finds them one by one.
 #[derive(Debug, Clone)]
@@ -14,6 +18,8 @@ pub struct Windings<'a, const N: usize, S = f64> {
     turns: [(i32, i32); N],
     /// How many windings have been chosen.
     chosen: usize,
+    /// How many choices have been looked at.
+    visits: u32,
     done: bool,
 }
 
@@ -29,7 +35,7 @@ pub(crate) enum Unlimited {
 impl<'a, const N: usize, S: Float> Windings<'a, N, S> {
     pub(crate) fn new(base: [S; N], rules: Rules<'a, S>, unlimited: Unlimited) -> Self {
         let done = !base.iter().all(|value| value.is_finite());
-        Self { base, rules, unlimited, turns: [(0, 0); N], chosen: 0, done }
+        Self { base, rules, unlimited, turns: [(0, 0); N], chosen: 0, visits: 0, done }
     }
 
     /// The joint values with the turns that have been chosen.
@@ -61,7 +67,8 @@ impl<const N: usize, S: Float> Iterator for Windings<'_, N, S> {
     type Item = [S; N];
 
     fn next(&mut self) -> Option<[S; N]> {
-        while !self.done {
+        while !self.done && self.visits < MOST_VISITS {
+            self.visits += 1;
             let q = self.q();
             let Some(winding) = self.rules.windings.get(self.chosen) else {
                 self.advance();

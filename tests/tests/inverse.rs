@@ -134,3 +134,30 @@ fn every_entry_of_a_table_is_a_problem_of_the_arm() {
         assert!(engine.problems().iter().any(|known| known.name == problem), "{name}: {problem}");
     }
 }
+
+/// theta1 = q1 + 90 degrees: what `where` says of q1 is judged on q1 in (-pi, pi], not on theta1.
+#[test]
+fn where_speaks_of_q_where_it_is_written_so() {
+    let text = "[robot]\nname = \"w\"\nconvention = \"standard\"\nunits = { length = \"m\", angle = \"deg\" }\n\
+        [[joint]]\noffset = 90\na = 1\n[[joint]]\na = 1\n\
+        [[ik]]\nname = \"p\"\ntarget = \"xy\"\nwhere = [\"q1 <= 0\"]\n\
+        [[ik]]\nname = \"all\\u0031\"\ntarget = \"xy\"\n";
+    let arm = engine::interpreter(text).unwrap();
+    for step in 0..72 {
+        let angle = f64::from(step) * PI / 36.0 + 0.01;
+        let target = Target::Xy([1.3 * angle.cos(), 1.3 * angle.sin()]);
+        let first = |problem: &str| {
+            let mut found = SolutionSet::new();
+            let answer = arm.ik_into(problem, &target, &mut found);
+            let mut joints: Vec<f64> =
+                found.iter().filter_map(|solution| solution.q.first().copied()).collect();
+            joints.sort_by(f64::total_cmp);
+            (answer, joints)
+        };
+        let (_, every) = first("all1");
+        let (answer, kept) = first("p");
+        let wanted: Vec<f64> = every.into_iter().filter(|q1| *q1 <= 0.0).collect();
+        assert_eq!(kept, wanted);
+        assert_eq!(answer.is_err(), wanted.is_empty());
+    }
+}

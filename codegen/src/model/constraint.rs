@@ -65,7 +65,8 @@ pub(super) fn inequality(text: &Text, joints: &Joints, diagnostics: &mut Diagnos
         diagnostics.push(says_nothing(text));
         return None;
     }
-    Some(Filter { form: form.linear, strict: !operator.ends_with('=') })
+    let (linear, q) = form.written;
+    Some(Filter { form: linear, q, strict: !operator.ends_with('=') })
 }
 
 /// No joint is left in it.

@@ -41,6 +41,7 @@ pub(super) fn of(model: &Model) -> u64 {
         hash.list(&problem.constraints, Hash::linear);
         hash.list(&problem.filters, |hash, filter| {
             hash.linear(&filter.form);
+            hash.terms(&filter.q);
             hash.number(usize::from(filter.strict));
         });
         hash.list(&problem.free, |hash, joint| hash.number(*joint));

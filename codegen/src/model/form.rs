@@ -13,6 +13,8 @@ pub(super) struct Form {
     pub(super) linear: Linear,
     /// The same in q: coefficients, and the constant.
     pub(super) in_q: (Vec<f64>, f64),
+    /// As it is written: thetas and ds of rows in one form, coefficients of q beside it.
+    pub(super) written: (Linear, Vec<(usize, f64)>),
     /// Whether it speaks of angles, rather than lengths.
     pub(super) of_angles: bool,
 }
@@ -33,21 +35,35 @@ impl Form {
             terms: BTreeMap::new(),
             constant,
         };
+        let mut rows_alone = Sum { in_q: sum.in_q.clone(), terms: BTreeMap::new(), ..sum };
+        let mut q_terms = Vec::new();
         for (&variable, &coefficient) in &value.terms {
             match variable.checked_sub(joints.rows.len()) {
-                Some(q) => sum.add_q(q, coefficient, joints)?,
-                None => sum.add_row(variable, coefficient, joints.rows.get(variable)?),
+                Some(q) => {
+                    sum.add_q(q, coefficient, joints)?;
+                    q_terms.push((q, coefficient));
+                }
+                None => {
+                    let row = joints.rows.get(variable)?;
+                    sum.add_row(variable, coefficient, row);
+                    rows_alone.add_row(variable, coefficient, row);
+                }
             }
         }
         let largest = value.terms.values().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         sum.terms.retain(|_, coefficient| coefficient.abs() > CANCELLED * largest);
-        let linear = Linear {
-            terms: sum.terms.into_iter().collect(),
-            constant: sum.constant,
+        let linear = |terms: BTreeMap<usize, f64>, constant: Angle| Linear {
+            terms: terms.into_iter().collect(),
+            constant,
             text: text.value.clone(),
             span: text.span.clone(),
         };
-        Some(Form { linear, in_q: sum.in_q, of_angles: kind == JointKind::Revolute })
+        Some(Form {
+            linear: linear(sum.terms, sum.constant),
+            in_q: sum.in_q,
+            written: (linear(rows_alone.terms, rows_alone.constant), q_terms),
+            of_angles: kind == JointKind::Revolute,
+        })
     }
 }
 

@@ -134,7 +134,7 @@ pub(crate) fn scara() -> Model {
     rows[2].limits = Some(Limits { min: 0.0, max: 0.25 });
     let mut model = robot(rows);
     let turned = || vec![linear(&[(3, 1.0), (0, -1.0), (1, -1.0)], angle(0))];
-    let elbow = Filter { form: linear(&[(1, 1.0)], angle(0)), strict: false };
+    let elbow = Filter { form: linear(&[(1, 1.0)], angle(0)), q: Vec::new(), strict: false };
     model.problems = vec![
         problem("point", Target::Position, turned(), Vec::new()),
         problem("point_left", Target::Position, turned(), vec![elbow]),

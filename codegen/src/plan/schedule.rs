@@ -10,6 +10,9 @@ use crate::symbolic::angle::AngleForm;
 use crate::symbolic::expression::{Arena, Expr, Leaf, Node};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
+/// Folded constants with more symbols than this are not written out in their notes.
+const LONGEST_NOTE: u32 = 60;
+
 /// Constants of a robot, shared by all its functions.
 #[derive(Debug, Default)]
 pub(super) struct Constants {
@@ -296,7 +299,10 @@ impl<'a> Scheduler<'a> {
                 _ => Scalar::Number(f64::NAN),
             },
             _ => {
-                let text = crate::symbolic::text::expression(self.arena, x);
+                let text = match self.arena.length(x) {
+                    0..=LONGEST_NOTE => crate::symbolic::text::expression(self.arena, x),
+                    _ => "a long product of the table's rotations".to_string(),
+                };
                 Scalar::Constant(self.constants.folded(
                     &text,
                     self.arena.constant_value(x),

@@ -130,12 +130,13 @@ impl Run {
     }
 }
 
-/// Name of a sum of joint angles: `234`, `2m3` for theta2 - theta3, `9_10` where numbers have two digits.
+/// Name of a sum of joint angles: `234`, `2m3` for theta2 - theta3; `_9_10` and `_12` where numbers have two digits,
+/// so that theta12 is not theta1 + theta2.
 pub fn suffix(rows: &[(usize, bool)]) -> String {
     let wide = rows.iter().any(|(row, _)| *row >= 9);
     let mut text = String::new();
     for (row, positive) in rows {
-        if wide && !text.is_empty() && *positive {
+        if wide && *positive {
             text.push('_');
         }
         if !positive {

@@ -53,12 +53,24 @@ pub enum Node {
 #[derive(Debug, Clone)]
 pub struct Arena {
     nodes: Vec<Node>,
-    constant: Vec<bool>,
+    facts: Vec<Facts>,
     ids: HashMap<Node, Expr>,
     leaves: Vec<(String, Leaf)>,
     leaf_ids: HashMap<String, Expr>,
     angles: Vec<(String, AngleForm)>,
     names: HashMap<Expr, String>,
+}
+
+/// What is known of an expression when it is made. An expression is a graph and may be large written out, so nothing
+/// of this is found by walking it.
+#[derive(Debug, Clone, Copy)]
+struct Facts {
+    /// Whether only numbers of the table are in it; then, its value (SI) and power of the metre.
+    constant: bool,
+    value: f64,
+    dimension: u8,
+    /// How many symbols it has, written out.
+    length: u32,
 }
 
 /// 0 and 1, in every arena.
@@ -69,7 +81,7 @@ impl Default for Arena {
     fn default() -> Self {
         let mut arena = Self {
             nodes: Vec::new(),
-            constant: Vec::new(),
+            facts: Vec::new(),
             ids: HashMap::new(),
             leaves: Vec::new(),
             leaf_ids: HashMap::new(),
@@ -271,7 +283,7 @@ impl Arena {
 
     /// Whether only numbers of the table are in it.
     pub fn is_constant(&self, x: Expr) -> bool {
-        self.constant.get(x.0 as usize).copied().unwrap_or(true)
+        self.facts_of(x).constant
     }
 
     /// Name and kind of a leaf.
@@ -289,32 +301,55 @@ impl Arena {
         x == ZERO
     }
 
-    /// Value of a constant expression (SI).
+    /// Value of a constant expression (SI); NaN of others.
     pub fn constant_value(&self, x: Expr) -> f64 {
-        match self.node(x) {
-            Node::Number(number) => number.value(),
-            Node::Leaf(index) => match self.leaf_at(index) {
-                Some((_, Leaf::Parameter { value, .. })) => *value,
-                _ => f64::NAN,
-            },
-            Node::Neg(inner) => -self.constant_value(inner),
-            Node::Add(a, b) => self.constant_value(a) + self.constant_value(b),
-            Node::Mul(a, b) => self.constant_value(a) * self.constant_value(b),
-            Node::Sin(_) | Node::Cos(_) => f64::NAN,
-        }
+        self.facts_of(x).value
     }
 
     /// Power of the metre in a constant expression.
     pub fn constant_dimension(&self, x: Expr) -> u8 {
-        match self.node(x) {
+        self.facts_of(x).dimension
+    }
+
+    /// How many symbols an expression has, written out.
+    pub fn length(&self, x: Expr) -> u32 {
+        self.facts_of(x).length
+    }
+
+    fn facts_of(&self, x: Expr) -> Facts {
+        let none = Facts { constant: true, value: 0.0, dimension: 0, length: 0 };
+        self.facts.get(x.0 as usize).copied().unwrap_or(none)
+    }
+
+    fn facts(&self, node: Node) -> Facts {
+        let varying = Facts { constant: false, value: f64::NAN, dimension: 0, length: 1 };
+        let both = |a: Expr, b: Expr| {
+            let (a, b) = (self.facts_of(a), self.facts_of(b));
+            let length = a.length.saturating_add(b.length);
+            (a, b, Facts { constant: a.constant && b.constant, length, ..varying })
+        };
+        match node {
+            Node::Number(number) => Facts { constant: true, value: number.value(), dimension: 0, length: 1 },
             Node::Leaf(index) => match self.leaf_at(index) {
-                Some((_, Leaf::Parameter { dimension, .. })) => *dimension,
-                _ => 0,
+                Some((_, Leaf::Parameter { value, dimension, .. })) => {
+                    Facts { constant: true, value: *value, dimension: *dimension, length: 1 }
+                }
+                _ => varying,
             },
-            Node::Neg(inner) => self.constant_dimension(inner),
-            Node::Add(a, b) => self.constant_dimension(a).max(self.constant_dimension(b)),
-            Node::Mul(a, b) => self.constant_dimension(a).saturating_add(self.constant_dimension(b)),
-            Node::Number(_) | Node::Sin(_) | Node::Cos(_) => 0,
+            Node::Sin(_) | Node::Cos(_) => varying,
+            Node::Neg(a) => {
+                let a = self.facts_of(a);
+                Facts { value: -a.value, ..a }
+            }
+            Node::Add(a, b) => {
+                let (a, b, sum) = both(a, b);
+                Facts { value: a.value + b.value, dimension: a.dimension.max(b.dimension), ..sum }
+            }
+            Node::Mul(a, b) => {
+                let (a, b, product) = both(a, b);
+                let dimension = a.dimension.saturating_add(b.dimension);
+                Facts { value: a.value * b.value, dimension, ..product }
+            }
         }
     }
 
@@ -396,16 +431,10 @@ impl Arena {
         if let Some(&known) = self.ids.get(&node) {
             return known;
         }
-        let constant = match node {
-            Node::Number(_) => true,
-            Node::Leaf(index) => matches!(self.leaf_at(index), Some((_, Leaf::Parameter { .. }))),
-            Node::Sin(_) | Node::Cos(_) => false,
-            Node::Neg(a) => self.is_constant(a),
-            Node::Add(a, b) | Node::Mul(a, b) => self.is_constant(a) && self.is_constant(b),
-        };
+        let facts = self.facts(node);
         let expr = Expr(self.nodes.len() as u32);
         self.nodes.push(node);
-        self.constant.push(constant);
+        self.facts.push(facts);
         self.ids.insert(node, expr);
         expr
     }

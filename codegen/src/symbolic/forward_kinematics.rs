@@ -28,9 +28,13 @@ pub fn tool(arena: &mut Arena, chain: &Chain, split: usize) -> Rigid {
     tool
 }
 
-/// Splits a chain can be multiplied at.
+/// Chains of more groups than this are multiplied in few ways, since trying all takes longer than anybody waits.
+pub const MANY_GROUPS: usize = 12;
+
+/// Splits a chain can be multiplied at; of a long one, only its ends.
 pub fn splits(chain: &Chain) -> impl Iterator<Item = usize> + use<> {
-    0..=chain.groups.len()
+    let count = chain.groups.len();
+    (0..=count).filter(move |split| count <= MANY_GROUPS || *split == 0 || *split == count)
 }
 
 /// The entries of a frame: r11 r12 r13 px r21 ...

@@ -92,9 +92,11 @@ impl StageEquation {
 pub enum Refusal {
     /// No order of steps with one unknown each was found.
     NoClosedForm,
-    /// The target, or joints left to the caller, are not handled by this method.
+    /// The target is not handled by this method.
     NotByThisMethod,
-    /// A row follows others in a way that isn't a whole number or a simple fraction, or mixes angles and lengths.
+    /// Joints are left to the caller.
+    Free,
+    /// A row follows others by a factor that isn't a whole number, or mixes angles and lengths.
     Coupling,
 }
 
@@ -104,9 +106,18 @@ impl Refusal {
         match self {
             Self::NoClosedForm => "no order of steps with one unknown each solves it in closed form",
             Self::NotByThisMethod => "this target isn't solved in closed form",
-            Self::Coupling => "a joint follows another by a factor that is no simple fraction",
+            Self::Free => "problems that leave joints free are not solved yet",
+            Self::Coupling => {
+                "a joint follows another by a factor that is no whole number, so that its whole turns cannot be told apart"
+            }
         }
     }
+}
+
+/// Whether a joint follows another by a fraction of its turns: q in (-pi, pi] would break what is asked.
+fn by_a_fraction(constraint: &crate::model::Linear) -> bool {
+    constraint.terms.len() > 1
+        && constraint.terms.iter().any(|(_, factor)| (factor - factor.round()).abs() > 1e-12)
 }
 
 /// Derives the solution of a problem.
@@ -115,7 +126,10 @@ impl Refusal {
 /// Says why there is none in closed form.
 pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
     if !problem.free.is_empty() {
-        return Err(Refusal::NotByThisMethod);
+        return Err(Refusal::Free);
+    }
+    if problem.constraints.iter().any(by_a_fraction) {
+        return Err(Refusal::Coupling);
     }
     let unknowns = unknowns::eliminate(model, &problem.constraints).map_err(|_| Refusal::Coupling)?;
     let mut arena = Arena::default();

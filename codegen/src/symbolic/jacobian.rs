@@ -27,7 +27,8 @@ pub fn columns(
     let suffixes = forward::suffixes(arena, chain, 0);
     let walks = Walks { chain, tool, prefixes: &prefixes, suffixes: &suffixes };
     let uniform = ROUTES.map(Some);
-    let plans = [None].into_iter().chain(uniform);
+    let all = if chain.groups.len() > forward::MANY_GROUPS { 1 } else { usize::MAX };
+    let plans = uniform.into_iter().rev().chain([None]).take(all);
     let mut best: Option<(usize, Vec<[Expr; 6]>)> = None;
     for plan in plans {
         let twists = twists(arena, &walks, wanted, plan);

@@ -48,11 +48,6 @@ pub fn sub(arena: &mut Arena, a: Vec3, b: Vec3) -> Vec3 {
     zip(a, b, |x, y| arena.sub(x, y))
 }
 
-/// -a
-pub fn neg(arena: &mut Arena, a: Vec3) -> Vec3 {
-    a.map(|x| arena.neg(x))
-}
-
 /// a . b
 pub fn dot(arena: &mut Arena, a: Vec3, b: Vec3) -> Expr {
     let [x, y, z] = zip(a, b, |x, y| arena.mul(x, y));
@@ -105,11 +100,6 @@ pub fn compose(arena: &mut Arena, a: &Rigid, b: &Rigid) -> Rigid {
     let rotation = product(arena, &a.rotation, &b.rotation);
     let moved = apply(arena, &a.rotation, b.translation);
     Rigid { rotation, translation: add(arena, moved, a.translation) }
-}
-
-/// Every column of a matrix through a function of vectors.
-pub fn map_columns(m: &Mat3, mut f: impl FnMut(Vec3) -> Vec3) -> Mat3 {
-    transpose(&transpose(m).map(&mut f))
 }
 
 fn zip(a: Vec3, b: Vec3, mut f: impl FnMut(Expr, Expr) -> Expr) -> Vec3 {

@@ -46,7 +46,8 @@ impl Inverse<'_> {
                 return;
             }
         }
-        if report.inverse.as_ref().is_none_or(|inverse| inverse.originals + inverse.singular == 0) {
+        // A `where` that keeps next to nothing may hold at none of the poses: then there was nothing to find.
+        if report.poses == 0 {
             report.failure = Some("no pose was found at which it could be verified".to_owned());
         }
     }

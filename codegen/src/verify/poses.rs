@@ -4,7 +4,7 @@ use super::Level;
 use super::constraints::Constraints;
 use super::random::Random;
 use crate::model::{JointKind, Limits, Model, Row};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Every function sees the same sequence on every host.
 const SEED: u64 = 0x6b69_6e65_6d61_7469;
@@ -19,6 +19,9 @@ const SIDES: [u32; 8] = [0b0001, 0b0010, 0b0100, 0b1000, 0b0111, 0b1011, 0b1101,
 
 /// How many random poses are made for one that satisfies the problem's `where`.
 const TRIES: u32 = 32;
+
+/// Joint limits are tried no farther out than this (rad).
+const FEW_TURNS: f64 = 4.0 * TAU;
 
 /// rad
 const TURN: Limits = Limits { min: -PI, max: PI };
@@ -158,6 +161,11 @@ impl Sampler<'_> {
     fn range(&self, joint: usize) -> Limits {
         let row = self.row(joint);
         match (row.map(|row| row.kind), row.and_then(|row| row.limits)) {
+            // Beyond a few turns a joint angle has fewer digits than the tolerances ask for.
+            (Some(JointKind::Revolute), Some(limits)) => Limits {
+                min: limits.min.clamp(-FEW_TURNS, FEW_TURNS),
+                max: limits.max.clamp(-FEW_TURNS, FEW_TURNS),
+            },
             (_, Some(limits)) => limits,
             (Some(JointKind::Revolute), None) => TURN,
             _ => Limits { min: -self.reach, max: self.reach },

@@ -29,7 +29,7 @@ impl<'m> Wheres<'m> {
         self.filters.iter().any(|filter| self.excess(filter, q).is_some_and(|excess| excess > MARGIN))
     }
 
-    /// The left-hand side, every theta taken in (-pi, pi]; `None` where one is too near the seam.
+    /// The left-hand side, every angle taken in (-pi, pi]; `None` where one is too near the seam.
     fn excess(&self, filter: &Filter, q: &[f64]) -> Option<f64> {
         let mut sum = filter.form.constant.value;
         for (row, factor) in &filter.form.terms {
@@ -39,15 +39,24 @@ impl<'m> Wheres<'m> {
             sum += factor
                 * match row.kind {
                     JointKind::Prismatic => row.d + varies,
-                    JointKind::Revolute => {
-                        let theta = (row.theta.value + varies).wrap_angle();
-                        if PI - theta.abs() < MARGIN {
-                            return None;
-                        }
-                        theta
-                    }
+                    JointKind::Revolute => clear_of_the_seam(row.theta.value + varies)?,
+                };
+        }
+        for (joint, factor) in &filter.q {
+            let row = self.model.joints.get(*joint).and_then(|row| self.model.rows.get(*row))?;
+            let value = q.get(*joint).copied()?;
+            sum += factor
+                * match row.kind {
+                    JointKind::Prismatic => value,
+                    JointKind::Revolute => clear_of_the_seam(value)?,
                 };
         }
         Some(sum)
     }
+}
+
+/// The angle in (-pi, pi], unless it is too near the seam.
+fn clear_of_the_seam(angle: f64) -> Option<f64> {
+    let angle = angle.wrap_angle();
+    (PI - angle.abs() >= MARGIN).then_some(angle)
 }

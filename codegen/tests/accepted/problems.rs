@@ -17,13 +17,12 @@ fn constraints_in_q_and_names_are_turned_into_theta() {
     // d4 = q4 + 5 mm
     assert_eq!(problem.constraints[1].terms, [(3, 1.0)]);
     assert!((problem.constraints[1].constant.value - 0.035).abs() < 1e-15);
-    // theta3 = q3 - q2 + 10, theta2 = q2 + 30: q3 = theta3 - 10 + theta2 - 30, and 0 - q3 <= 0.
+    // Inequalities keep their variables: theta and q are each taken in (-pi, pi].
     let [third, second, slide] = problem.filters.as_slice() else { panic!("three filters") };
-    assert_eq!(third.form.terms, [(1, -1.0), (2, -1.0)]);
-    assert!((third.form.constant.value - 40.0 / 180.0 * PI).abs() < 1e-15);
-    assert!(!third.strict);
-    assert_eq!((second.form.terms.as_slice(), second.strict), (&[(1, 2.0)][..], true));
-    assert!((second.form.constant.value - (-PI / 3.0 - PI)).abs() < 1e-15);
+    assert_eq!((third.form.terms.as_slice(), third.q.as_slice()), (&[][..], &[(2, -1.0)][..]));
+    assert!(third.form.constant.value == 0.0 && !third.strict);
+    assert_eq!((second.form.terms.as_slice(), second.q.as_slice()), (&[][..], &[(1, 2.0)][..]));
+    assert!((second.form.constant.value + PI).abs() < 1e-15 && second.strict);
     assert_eq!((slide.form.terms.as_slice(), slide.form.constant.value), (&[(3, -1.0)][..], 0.02));
 }
 

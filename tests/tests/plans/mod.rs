@@ -17,7 +17,7 @@ pub(crate) fn planar() -> (Model, Plan) {
     model.workspace.bounds = vec![Bound { axis: 1, is_min: true, value: -0.6 }];
     model.poses = vec![NamedPose { name: "rest".to_owned(), q: vec![0.0, 1.57], safe: true }];
     model.servos = vec![NamedServo { name: "hand".to_owned(), servo: servo() }];
-    let elbow_up = Filter { form: linear(1, "theta2 <= 0"), strict: false };
+    let elbow_up = Filter { form: linear(1, "theta2 <= 0"), q: Vec::new(), strict: false };
     let mut plan = plan::build(&model).0;
     model.problems = vec![problem("xy", Vec::new()), problem("elbow_up", vec![elbow_up])];
     let (a1, a2) = (constant(&plan, "a1"), constant(&plan, "a2"));

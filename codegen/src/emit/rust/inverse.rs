@@ -119,6 +119,12 @@ impl<'a> Printer<'a> {
                 form.add(factor, self.row_variable(row));
             }
         }
+        for &(joint, factor) in &filter.q {
+            let row = self.model.joints.get(joint).and_then(|row| self.model.rows.get(*row));
+            let value = Expression::Atom(format!("q[{joint}]"));
+            let turns = row.is_some_and(|row| row.kind == JointKind::Revolute);
+            form.add(factor, if turns { self.wrapped(value) } else { value });
+        }
         Expression::Call(format!("{}::{function}", self.paths.runtime("Condition")), vec![form.expression()])
     }
 
@@ -129,11 +135,12 @@ impl<'a> Printer<'a> {
         for &(joint, factor) in &row.terms {
             sum.add(factor, Expression::Atom(format!("q[{joint}]")));
         }
-        if angle {
-            Expression::Call(format!("{}::wrap_angle", self.paths.runtime("Float")), vec![sum.expression()])
-        } else {
-            sum.expression()
-        }
+        if angle { self.wrapped(sum.expression()) } else { sum.expression() }
+    }
+
+    /// An angle in (-pi, pi].
+    fn wrapped(&self, angle: Expression) -> Expression {
+        Expression::Call(format!("{}::wrap_angle", self.paths.runtime("Float")), vec![angle])
     }
 }
 

@@ -94,9 +94,9 @@ pub fn struct_name(robot: &str) -> String {
     if name == "Self" { "SelfRobot".to_owned() } else { name }
 }
 
-/// The name of an inverse problem as part of a function's name.
+/// The name of an inverse problem as part of a function's name: as it is, since the model has checked it.
 pub(super) fn function_suffix(problem: &str) -> String {
-    identifier(problem)
+    problem.to_owned()
 }
 
 #[cfg(test)]

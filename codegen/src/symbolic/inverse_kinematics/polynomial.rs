@@ -29,7 +29,10 @@ pub(super) struct Polynomial {
     terms: BTreeMap<Key, Number>,
 }
 
-/// The integers of an exact coefficient overflowed; no table that is measured in sensible units does that.
+/// More terms than this are no equation that anybody reads, or that is solved in closed form.
+const LONGEST: usize = 2000;
+
+/// The polynomial became too long, or the integers of an exact coefficient too large.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Overflow;
 
@@ -174,6 +177,9 @@ impl Polynomial {
         match self.terms.entry(key) {
             Entry::Vacant(place) => {
                 place.insert(number);
+                if self.terms.len() > LONGEST {
+                    return Err(Overflow);
+                }
             }
             Entry::Occupied(mut place) => {
                 let sum = place.get().checked_add(number).ok_or(Overflow)?;

@@ -116,3 +116,11 @@ fn sliding(mut model: Model, rows: &[usize]) -> Model {
     model.windings.retain(|winding| !rows.contains(&winding.joint));
     model
 }
+
+#[test]
+fn following_by_a_fraction_is_refused() {
+    let rows = [[0.0, 0.3, 0.0, 0.0], [0.0, 0.25, 0.0, 0.0], [0.0, 0.1, 0.0, 0.0]];
+    let half: &[(&[(usize, f64)], f64)] = &[(&[(2, 1.0), (0, -0.5)], 0.0)];
+    let refusal = super::derive(&robot(Convention::Standard, &rows), &problem(Target::Xy, half)).unwrap_err();
+    assert_eq!(refusal, super::Refusal::Coupling);
+}

@@ -2,7 +2,7 @@
 //!
 //! The value of every row (theta or d) becomes a linear form in as few of them as the constraints and couplings leave
 //! free. Angles stay whole multiples of the free ones, so that sums of them are frequencies of a trigonometric
-//! polynomial; a row that follows by a fraction makes the free angle a fraction of its own.
+//! polynomial.
 
 use crate::model::{Angle, JointKind, Linear, Model};
 
@@ -74,12 +74,12 @@ pub(super) struct Unknowns {
 pub(super) enum Trouble {
     /// An angle that follows a length, or a length that follows an angle.
     MixedKinds,
-    /// A row that follows by a fraction with too large a denominator.
+    /// A row that follows by a fraction, or by too large a multiple.
     Fraction,
 }
 
-/// Largest denominator of a fraction by which a row may follow another.
-const LARGEST_DENOMINATOR: i32 = 12;
+/// Largest multiple by which a row may follow another.
+const LARGEST_MULTIPLE: f64 = 64.0;
 
 /// Eliminates what couplings and constraints determine.
 pub(super) fn eliminate(model: &Model, constraints: &[Linear]) -> Result<Unknowns, Trouble> {
@@ -234,26 +234,18 @@ fn in_free(model: &Model, solved: &[Option<Form>], joints: &[Form]) -> Result<Un
     }
     let mut unknowns = Unknowns { free, rows, joints: Vec::new() };
     unknowns.joints = joints.iter().map(|joint| combine(joint, &unknowns.rows)).collect();
-    scale(&mut unknowns)?;
-    Ok(unknowns)
+    if whole_multiples(&unknowns) { Ok(unknowns) } else { Err(Trouble::Fraction) }
 }
 
-/// Makes every free angle the fraction of its row's that leaves whole multiples everywhere.
-fn scale(unknowns: &mut Unknowns) -> Result<(), Trouble> {
-    for (index, free) in unknowns.free.iter().enumerate() {
-        if free.kind == JointKind::Prismatic {
-            continue;
-        }
-        let uses = || unknowns.rows.iter().filter_map(move |row| row.coefficients.get(index).copied());
-        let whole = |k: &i32| uses().all(|x| (x * f64::from(*k) - (x * f64::from(*k)).round()).abs() < 1e-12);
-        let factor = (1..=LARGEST_DENOMINATOR).find(whole).ok_or(Trouble::Fraction)?;
-        for form in unknowns.rows.iter_mut().chain(&mut unknowns.joints) {
-            if let Some(entry) = form.coefficients.get_mut(index) {
-                *entry *= f64::from(factor);
-            }
-        }
-    }
-    Ok(())
+/// Whether every angle is a small whole multiple of the free ones. By a fraction of a turn a joint would follow whole
+/// turns of another, and q in (-pi, pi] would no longer say which.
+fn whole_multiples(unknowns: &Unknowns) -> bool {
+    let angles = unknowns.free.iter().enumerate().filter(|(_, free)| free.kind == JointKind::Revolute);
+    let small = |x: f64| (x - x.round()).abs() < 1e-12 && x.abs() <= LARGEST_MULTIPLE;
+    let mut uses = angles.flat_map(|(index, _)| {
+        unknowns.rows.iter().filter_map(move |row| row.coefficients.get(index).copied())
+    });
+    uses.all(small)
 }
 
 /// A linear form in the rows' values, in terms of the free variables.
