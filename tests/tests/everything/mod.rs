@@ -3,7 +3,7 @@
 use dh_runtime::{Float, Frame, Kinematics, SolutionSet, Target, TargetKind};
 
 /// A target of a kind, as the tool frame meets it.
-fn met_by<S: Float>(kind: TargetKind, tool: Frame<S>) -> Target<S> {
+pub(crate) fn met_by<S: Float>(kind: TargetKind, tool: Frame<S>) -> Target<S> {
     let ([x, y, _], position) = (tool.translation, tool.translation);
     let ([cos, sin, _], direction) = (tool.x_axis(), tool.z_axis());
     let yaw = sin.atan2(cos);
