@@ -510,7 +510,7 @@ fn geometric_jacobian(q: &[f64; 7]) -> [[f64; 6]; 7] {
         [npy, -npx, 0.0, 0.0, 0.0, 1.0],
         [ny1 * c1, ny1 * s1, -nx1, s1, -c1, 0.0],
         [
-            nx2 * s1 + ny2 * t1,
+            ny2 * t1 + nx2 * s1,
             ny2 * t2 - nx2 * c1,
             ny2 * s2,
             -t3,
@@ -601,8 +601,8 @@ fn pose_and_jacobian(q: &[f64; 7]) -> (Frame, [[f64; 6]; 7]) {
     let t28 = D3 * c2 + D1;
     let pz = t28 - D5 * t26 - TOOL_Z * nr33;
     let t29 = pz - D1;
-    let t30 = t20 - npy;
-    let t31 = t28 - pz;
+    let t30 = t28 - pz;
+    let t31 = t20 - npy;
     let t32 = t10 - npx;
     let y5 = TOOL_Z * c6;
     let nx5 = TOOL_Z * s6;
@@ -627,17 +627,17 @@ fn pose_and_jacobian(q: &[f64; 7]) -> (Frame, [[f64; 6]; 7]) {
                 c2,
             ],
             [
-                -(t23 * t30 + t15 * t31),
-                t23 * t32 + t5 * t31,
-                t5 * t30 - t15 * t32,
+                -(t15 * t30 + t23 * t31),
+                t23 * t32 + t5 * t30,
+                t5 * t31 - t15 * t32,
                 t5,
                 t15,
                 t23,
             ],
             [
-                t18 * t31 + t26 * t30,
-                -(t26 * t32 + t8 * t31),
-                t18 * t32 - t8 * t30,
+                t18 * t30 + t26 * t31,
+                -(t26 * t32 + t8 * t30),
+                t18 * t32 - t8 * t31,
                 -t8,
                 -t18,
                 -t26,

@@ -64,7 +64,7 @@ impl Elbow3R {
     /// The tool point is within this distance of the first joint's axis (m).
     pub const REACH: f64 = REACH;
     /// A hash of everything in the table that changes what is computed or sent.
-    pub const FINGERPRINT: u64 = 0xe0cd_b3c0_69db_fa1d;
+    pub const FINGERPRINT: u64 = 0x23b9_8c8f_deba_9fbd;
     /// The joints, in the order of `q` (rad).
     #[allow(
         clippy::approx_constant,

@@ -76,7 +76,7 @@ impl MyCobot280Pi {
     /// The tool point is within this distance of the first joint's axis (m).
     pub const REACH: f64 = REACH;
     /// A hash of everything in the table that changes what is computed or sent.
-    pub const FINGERPRINT: u64 = 0x6330_f247_d40d_57c6;
+    pub const FINGERPRINT: u64 = 0x2fad_0a50_76c8_5286;
     /// The joints, in the order of `q` (rad).
     #[rustfmt::skip]
     pub const JOINTS: [Joint<'static>; 6] = [
@@ -412,10 +412,10 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
     let y1_3 = x4 * s234 - D5 * c234;
     let y1_2 = y1_3 + A3 * s23;
     let y1 = y1_2 + A2 * s2;
-    let t1 = ny4 * c234;
-    let r13_1 = s5 * c234;
-    let r13 = r13_1 * c1 - c5 * s1;
-    let r23 = r13_1 * s1 + c5 * c1;
+    let t1 = c234 * c1;
+    let t2 = c234 * s1;
+    let nr13 = c5 * s1 - s5 * t1;
+    let r23 = c5 * c1 + s5 * t2;
     let r23_1 = s5 * s234;
     [
         [-py, px, 0.0, 0.0, 0.0, 1.0],
@@ -423,14 +423,14 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
         [-y1_2 * c1, -y1_2 * s1, x1_2, s1, -c1, 0.0],
         [-y1_3 * c1, -y1_3 * s1, x1_3, s1, -c1, 0.0],
         [
-            c1 * t1 + x4 * s1,
-            s1 * t1 - x4 * c1,
+            ny4 * t1 + x4 * s1,
+            ny4 * t2 - x4 * c1,
             ny4 * s234,
             s234 * c1,
             s234 * s1,
             -c234,
         ],
-        [0.0, 0.0, 0.0, r13, r23, r23_1],
+        [0.0, 0.0, 0.0, -nr13, r23, r23_1],
     ]
 }
 
@@ -493,7 +493,7 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
             [-y1_2 * c1, -y1_2 * s1, x1_2, s1, -c1, 0.0],
             [-y1_3 * c1, -y1_3 * s1, x1_3, s1, -c1, 0.0],
             [
-                c1 * t1 + x4 * s1,
+                x4 * s1 + c1 * t1,
                 s1 * t1 - x4 * c1,
                 ny4 * s234,
                 s234 * c1,

@@ -403,11 +403,11 @@ fn geometric_jacobian(q: &[f64; 7]) -> [[f64; 6]; 7] {
     [
         [-py, px, 0.0, 0.0, 0.0, 1.0],
         [-y1 * c1, -y1 * s1, -x1, -s1, c1, 0.0],
-        [-(x2 * s1 + y2 * t3), x2 * c1 - y2 * t4, y2 * s2, t5, t6, c2],
+        [-(y2 * t3 + x2 * s1), x2 * c1 - y2 * t4, y2 * s2, t5, t6, c2],
         [
             x3 * t5 - y3 * t7,
             x3 * t6 - y3 * t8,
-            x3 * c2 + y3 * t9,
+            y3 * t9 + x3 * c2,
             t10,
             t11,
             -t12,
@@ -494,8 +494,8 @@ fn pose_and_jacobian(q: &[f64; 7]) -> (Frame, [[f64; 6]; 7]) {
     let t34 = t33 - D5 * t30;
     let npz = t34 + A7 * t31 + D7 * nr33;
     let t35 = npz + D1;
-    let t36 = t22 - py;
-    let t37 = t32 - npz;
+    let t36 = t32 - npz;
+    let t37 = t22 - py;
     let t38 = t10 - px;
     let t39 = t33 - npz;
     let t40 = t23 - py;
@@ -520,9 +520,9 @@ fn pose_and_jacobian(q: &[f64; 7]) -> (Frame, [[f64; 6]; 7]) {
                 c2,
             ],
             [
-                t17 * t37 - t27 * t36,
-                t27 * t38 - t5 * t37,
-                t17 * t38 - t5 * t36,
+                t17 * t36 - t27 * t37,
+                t27 * t38 - t5 * t36,
+                t17 * t38 - t5 * t37,
                 t5,
                 t17,
                 -t27,

@@ -58,7 +58,7 @@ impl Planar2R {
     /// The tool point is within this distance of the first joint's axis (m).
     pub const REACH: f64 = REACH;
     /// A hash of everything in the table that changes what is computed or sent.
-    pub const FINGERPRINT: u64 = 0x8d45_1b94_5d5c_47a9;
+    pub const FINGERPRINT: u64 = 0x3cc7_2aef_d912_b969;
     /// The joints, in the order of `q` (rad).
     #[allow(
         clippy::approx_constant,

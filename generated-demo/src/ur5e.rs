@@ -332,10 +332,10 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
     let ny1_3 = nx4 * s234 + D5 * c234;
     let ny1_2 = ny1_3 - A3 * s23;
     let ny1 = ny1_2 - A2 * s2;
-    let t1 = y4 * c234;
-    let nr13_1 = s5 * c234;
-    let nr13 = nr13_1 * c1 - c5 * s1;
-    let nr23 = nr13_1 * s1 + c5 * c1;
+    let t1 = c234 * c1;
+    let t2 = c234 * s1;
+    let r13 = c5 * s1 - s5 * t1;
+    let nr23 = c5 * c1 + s5 * t2;
     let nr23_1 = s5 * s234;
     [
         [npy, -npx, 0.0, 0.0, 0.0, 1.0],
@@ -343,14 +343,14 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
         [ny1_2 * c1, ny1_2 * s1, -nx1_2, s1, -c1, 0.0],
         [ny1_3 * c1, ny1_3 * s1, -nx1_3, s1, -c1, 0.0],
         [
-            -(c1 * t1 + nx4 * s1),
-            nx4 * c1 - s1 * t1,
+            -(y4 * t1 + nx4 * s1),
+            nx4 * c1 - y4 * t2,
             -y4 * s234,
             s234 * c1,
             s234 * s1,
             -c234,
         ],
-        [0.0, 0.0, 0.0, -nr13, -nr23, -nr23_1],
+        [0.0, 0.0, 0.0, r13, -nr23, -nr23_1],
     ]
 }
 
@@ -408,7 +408,7 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
             [ny1_2 * c1, ny1_2 * s1, -nx1_2, s1, -c1, 0.0],
             [ny1_3 * c1, ny1_3 * s1, -nx1_3, s1, -c1, 0.0],
             [
-                -(c1 * t1 + nx4 * s1),
+                -(nx4 * s1 + c1 * t1),
                 nx4 * c1 - s1 * t1,
                 -y4 * s234,
                 s234 * c1,

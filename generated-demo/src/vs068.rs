@@ -407,7 +407,7 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
         [-y1 * c1, -y1 * s1, -x1, -s1, c1, 0.0],
         [-y1_2 * c1, -y1_2 * s1, -x1_2, -s1, c1, 0.0],
         [
-            -(x3 * s1 + y3 * t2),
+            -(y3 * t2 + x3 * s1),
             x3 * c1 - y3 * t3,
             y3 * s23,
             t4,
@@ -417,7 +417,7 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
         [
             ny4 * t6 - x4 * t4,
             ny4 * t7 - x4 * t5,
-            -(x4 * c23 + ny4 * t8),
+            -(ny4 * t8 + x4 * c23),
             -(s4 * t2 + c4 * s1),
             c4 * c1 - s4 * t3,
             s4 * s23,
@@ -502,7 +502,7 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
             [
                 ny4 * t3 - x4 * t4,
                 ny4 * t11 - x4 * t12,
-                -(x4 * c23 + ny4 * t17),
+                -(ny4 * t17 + x4 * c23),
                 -t2,
                 -t10,
                 t16,
