@@ -38,16 +38,13 @@ impl Form {
         let mut rows_alone = Sum { in_q: sum.in_q.clone(), terms: BTreeMap::new(), ..sum };
         let mut q_terms = Vec::new();
         for (&variable, &coefficient) in &value.terms {
-            match variable.checked_sub(joints.rows.len()) {
-                Some(q) => {
-                    sum.add_q(q, coefficient, joints)?;
-                    q_terms.push((q, coefficient));
-                }
-                None => {
-                    let row = joints.rows.get(variable)?;
-                    sum.add_row(variable, coefficient, row);
-                    rows_alone.add_row(variable, coefficient, row);
-                }
+            if let Some(q) = variable.checked_sub(joints.rows.len()) {
+                sum.add_q(q, coefficient, joints)?;
+                q_terms.push((q, coefficient));
+            } else {
+                let row = joints.rows.get(variable)?;
+                sum.add_row(variable, coefficient, row);
+                rows_alone.add_row(variable, coefficient, row);
             }
         }
         let largest = value.terms.values().fold(0.0_f64, |largest, value| largest.max(value.abs()));
