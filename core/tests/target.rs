@@ -136,7 +136,9 @@ fn single_precision_rotations_are_taken() {
     for step in 0..1000 {
         let angle = step as f32 * 0.37;
         let frame = Frame::<f32>::from_rpy([0.0; 3], [angle, 0.5 * angle, 1.5 * angle]);
-        assert!(Target::Pose(frame).validate().is_ok());
+        let Ok(Target::Pose(kept)) = Target::Pose(frame).validate() else { panic!("{angle} is refused") };
+        assert!(kept.rigidity_error() < 1e-6, "{angle}: {}", kept.rigidity_error());
+        assert!(dh_core::rotation_error(&kept.rotation, &frame.rotation) < 1e-6, "{angle}");
     }
 }
 

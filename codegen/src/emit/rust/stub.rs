@@ -60,7 +60,10 @@ fn of_any_arm(options: &Options) -> String {
     ];
     let Generics { parameters, arguments, clause } = &options.generics;
     let mut text = Text::default();
-    text.line("#[allow(missing_docs, unused_variables)]");
+    text.allow(
+        &["missing_docs", "unused_variables"],
+        "nothing is computed for a table with mistakes, which are said beside this",
+    );
     text.open(format!("impl{parameters} {name}{arguments} {clause} {{"));
     for (method, parameters, result) in methods {
         text.line(format!(
