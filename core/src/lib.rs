@@ -9,9 +9,14 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[cfg(test)]
+extern crate std;
+
 mod error;
 mod float;
 mod frame;
+/// Chains of six joints without a closed form.
+pub mod general;
 mod generated;
 mod joint;
 mod kinematics;

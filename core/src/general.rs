@@ -1,0 +1,188 @@
+//! Every solution of a full pose for any chain of six joints.
+//!
+//! The chain and its target are a closed circuit. It is cut at one joint, whose axis is then a line that the five others
+//! must bring back to where it is. Two joints see it through the target, three through fixed links. The power products
+//! of that line \[Raghavan, Roth 1993\] are linear in cosine and sine of each joint; eight of the fourteen equations
+//! eliminate the first two joints, the other six hold three. One of these three stays hidden in the coefficients; of the
+//! others, one is eliminated by a resultant \[Manocha, Canny 1994\], which the elimination of two thirds of the unknown
+//! products brings from twelve rows to three.
+//!
+//! What remains is a trigonometric polynomial in one joint angle. It is sampled, not expanded: a discrete Fourier
+//! transform gives its coefficients, and shows by what should be 0 how accurate they are. Its real roots are isolated, the
+//! other joints follow, and Newton's method on the whole pose takes away what rounding has left.
+//!
+//! Where the polynomial is doubtful (roots that have met, a target at which it vanishes) another choice of joints is asked
+//! as well. Which choices suit an arm best is found by the compiler.
+
+mod circuit;
+mod line;
+mod linear;
+mod polish;
+mod resultant;
+mod waves;
+
+use crate::Frame;
+use circuit::Circuit;
+pub use polish::Polished;
+use polish::polish;
+use resultant::Resultant;
+
+/// How many joints the chain has.
+pub const JOINTS: usize = 6;
+
+/// A chain of six joints, revolute or prismatic, along and about z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GeneralArm<'a> {
+    /// Fixed transforms (m): before the first joint, between the joints, after the last.
+    pub links: [Frame; JOINTS + 1],
+    /// Which joints slide.
+    pub prismatic: [bool; JOINTS],
+    /// Size of the arm (m): lengths are measured in it.
+    pub reach: f64,
+    /// Choices of joints, the best first.
+    pub charts: &'a [Chart],
+}
+
+/// Which joints play which part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Chart {
+    /// The joint whose axis is the line; its value comes last. Must be revolute.
+    pub dropped: u8,
+    /// Whether the circuit is run through towards the base.
+    pub backward: bool,
+    /// Which of the three joints far from the cut is hidden in the polynomial: 0, 1 or 2, counted along the circuit. Must
+    /// be revolute.
+    pub hidden: u8,
+    /// Which of the other two the resultant eliminates.
+    pub swapped: bool,
+    /// Whether the resultant has a factor that is the same for all targets, to be divided out.
+    pub divided: bool,
+    /// Degree of the polynomial.
+    pub degree: u8,
+}
+
+impl Chart {
+    /// A choice of joints.
+    pub const fn new(dropped: u8, backward: bool, hidden: u8, swapped: bool, divided: bool, degree: u8) -> Self {
+        Self { dropped, backward, hidden, swapped, divided, degree }
+    }
+
+    /// The joint whose angle the polynomial is in.
+    pub const fn unknown(&self) -> usize {
+        let along = (self.hidden % 3) as usize + 3;
+        let first = self.dropped as usize % JOINTS;
+        if self.backward { (first + JOINTS - along) % JOINTS } else { (first + along) % JOINTS }
+    }
+}
+
+/// What a search of one chart came to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// Whether solutions may be missing: roots have met, or the polynomial is inaccurate.
+    pub doubtful: bool,
+    /// How far the polynomial stays away from 0, relative to its size; 0 where it has roots.
+    pub miss: f64,
+}
+
+impl GeneralArm<'_> {
+    /// Hands every solution for a pose of the tip to `found`, some of them more than once.
+    ///
+    /// Solutions are joint values (rad, m) with what is left of their errors.
+    pub fn solve(&self, pose: &Frame, mut found: impl FnMut(&Polished)) -> Outcome {
+        let mut outcome = Outcome { doubtful: true, miss: f64::INFINITY };
+        for chart in self.charts {
+            outcome = outcome.and(self.solve_in(*chart, pose, &mut found));
+            if !outcome.doubtful {
+                return outcome;
+            }
+        }
+        // Where the equations degenerate at this very pose, those of poses on both sides of it don't.
+        for chart in self.charts.iter().take(1) {
+            for size in [NEIGHBOUR, -NEIGHBOUR] {
+                let beside = pose.compose(&Frame::from_rpy(
+                    [0.61 * size * self.reach, -0.45 * size * self.reach, 0.37 * size * self.reach],
+                    [0.53 * size, 0.71 * size, -0.42 * size],
+                ));
+                let from = self.solve_from(*chart, &beside, pose, &mut found);
+                outcome = Outcome { doubtful: true, ..outcome.and(from) };
+            }
+        }
+        outcome
+    }
+
+    /// The same by one choice of joints.
+    pub fn solve_in(&self, chart: Chart, pose: &Frame, found: &mut impl FnMut(&Polished)) -> Outcome {
+        self.solve_from(chart, pose, pose, found)
+    }
+
+    /// Solutions for a pose, by Newton's method from those for a pose next to it.
+    fn solve_from(&self, chart: Chart, from: &Frame, pose: &Frame, found: &mut impl FnMut(&Polished)) -> Outcome {
+        let scaled = self.scaled();
+        let [before, first, second, third, fourth, fifth, after] = scaled.links;
+        let in_reaches = |pose: &Frame| Frame { translation: pose.translation.map(|x| x / self.reach), ..*pose };
+        let closing = after.compose(&in_reaches(from).inverse()).compose(&before);
+        let circuit = Circuit::new(&[first, second, third, fourth, fifth, closing], &self.prismatic, chart);
+        let Some(resultant) = Resultant::new(&circuit, chart) else {
+            return Outcome::UNKNOWN;
+        };
+        let (waves, noise) = resultant.waves(chart.degree);
+        if noise > USELESS || noise.is_nan() {
+            return Outcome::UNKNOWN;
+        }
+        let target = in_reaches(pose);
+        let roots = waves.roots();
+        let mut doubtful = roots.doubtful || noise > NOISE;
+        for root in roots.as_slice() {
+            let mut hit = false;
+            for q in circuit.rest(resultant.others(*root)).iter().flatten() {
+                let mut solution = polish(&scaled, &target, *q);
+                if solution.error > FOUND {
+                    continue;
+                }
+                let far = solution.q.iter().zip(q).any(|(to, from)| libm::fabs(to - from) > FAR);
+                hit |= !far;
+                for (value, slides) in solution.q.iter_mut().zip(self.prismatic) {
+                    if slides {
+                        *value *= self.reach;
+                    }
+                }
+                found(&solution);
+            }
+            doubtful |= !hit;
+        }
+        Outcome { doubtful, miss: if roots.as_slice().is_empty() { waves.miss() } else { 0.0 } }
+    }
+
+    /// With lengths in reaches.
+    fn scaled(&self) -> Self {
+        let links = self.links.map(|link| Frame { translation: link.translation.map(|x| x / self.reach), ..link });
+        Self { links, ..*self }
+    }
+}
+
+impl Outcome {
+    const UNKNOWN: Self = Self { doubtful: true, miss: f64::INFINITY };
+
+    /// After one more search.
+    fn and(self, other: Self) -> Self {
+        Self { doubtful: other.doubtful, miss: if other.miss < self.miss { other.miss } else { self.miss } }
+    }
+}
+
+/// Relative noise of the coefficients from which on nothing can be said of the roots.
+const USELESS: f64 = 1e-3;
+
+/// A root from which Newton's method goes this far (rad, reaches) was inaccurate: so may be those that were lost.
+const FAR: f64 = 1e-3;
+
+/// How far off (rad, reaches) the neighbouring poses are that help where the equations degenerate.
+const NEIGHBOUR: f64 = 1e-4;
+
+/// Relative noise of the coefficients from which on roots may have been lost.
+const NOISE: f64 = 1e-8;
+
+/// A candidate whose error (reaches, rad) Newton's method doesn't bring below this is none.
+const FOUND: f64 = 1e-7;
+
+#[cfg(test)]
+mod tests;
