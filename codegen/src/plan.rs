@@ -9,9 +9,11 @@ pub mod eval;
 #[cfg(test)]
 pub(crate) mod fixtures;
 mod forward;
+mod general;
 mod inverse;
 mod schedule;
 
+pub use general::GeneralChain;
 pub use inverse::Unsolved;
 
 /// Every function that the robot has, and the problems that have none.
@@ -21,6 +23,23 @@ pub fn build(model: &crate::model::Model) -> (Plan, Vec<Unsolved>) {
     let (inverse, unsolved) = inverse::functions(model, &mut constants);
     functions.extend(inverse);
     (Plan { constants: constants.into_list(), functions }, unsolved)
+}
+
+/// A function that finds all joints of an inverse problem (an index into `Model::problems`, or the full pose) at once,
+/// for what has no closed form or whose closed form does not stand verification.
+///
+/// # Errors
+/// Why there is none.
+pub fn general(
+    model: &crate::model::Model,
+    problem: Option<usize>,
+) -> Result<Function, crate::symbolic::inverse_kinematics::Refusal> {
+    let entry = match problem {
+        None => Some(inverse::full_pose()),
+        Some(index) => model.problems.get(index).cloned(),
+    };
+    let entry = entry.ok_or(crate::symbolic::inverse_kinematics::Refusal::NotByThisMethod)?;
+    general::function(model, problem, &entry)
 }
 
 /// All functions of one robot.
@@ -137,6 +156,19 @@ pub enum Step {
         /// The equation.
         equation: Equation,
         /// What follows for each root.
+        body: Vec<Step>,
+    },
+    /// All unknowns at once: for every solution of a chain of six joints, the steps of `body`.
+    General {
+        /// Which stage.
+        stage: usize,
+        /// The chain.
+        chain: GeneralChain,
+        /// Values of the chain's given joints (rad or m).
+        given: Vec<Scalar>,
+        /// The six others, defined inside `body`.
+        roots: Vec<ValueId>,
+        /// What follows for each solution.
         body: Vec<Step>,
     },
     /// A candidate: the joint variables q, one a joint (not yet wrapped into (-pi, pi], nor checked).

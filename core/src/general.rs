@@ -27,12 +27,56 @@ pub use polish::Polished;
 use polish::polish;
 use resultant::Resultant;
 
-/// How many joints the chain has.
-pub const JOINTS: usize = 6;
+/// How many joints the caller leaves to be found.
+pub(crate) const JOINTS: usize = 6;
+
+/// A chain of joints along and about z, six of which are to be found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GeneralArm<'a> {
+    /// Fixed transforms (m): before the first joint, between the joints, after the last.
+    pub links: &'a [Frame],
+    /// Which joints slide.
+    pub prismatic: &'a [bool],
+    /// Joints whose values the caller gives.
+    pub given: &'a [usize],
+    /// Size of the arm (m): lengths are measured in it.
+    pub reach: f64,
+    /// Choices of joints, the best first.
+    pub charts: &'a [Chart],
+}
+
+impl<'a> GeneralArm<'a> {
+    /// The chain that is left where some joints are given (rad or m). `None` where those left are not six.
+    pub fn six(&self, given: &[f64]) -> Option<SixJoints<'a>> {
+        let mut six = SixJoints {
+            links: [Frame::IDENTITY; JOINTS + 1],
+            prismatic: [false; JOINTS],
+            reach: self.reach,
+            charts: self.charts,
+        };
+        let (first, links) = self.links.split_first()?;
+        let mut link = *first;
+        let mut count = 0;
+        for (joint, (slides, after)) in self.prismatic.iter().zip(links).enumerate() {
+            let value = self.given.iter().position(|other| *other == joint);
+            if let Some(place) = value {
+                let motion = line::Motion::new(*slides, *given.get(place)?);
+                link = link.compose(&motion.frame()).compose(after);
+            } else {
+                *six.links.get_mut(count)? = link;
+                *six.prismatic.get_mut(count)? = *slides;
+                count += 1;
+                link = *after;
+            }
+        }
+        *six.links.last_mut()? = link;
+        (count == JOINTS).then_some(six)
+    }
+}
 
 /// A chain of six joints, revolute or prismatic, along and about z.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GeneralArm<'a> {
+pub struct SixJoints<'a> {
     /// Fixed transforms (m): before the first joint, between the joints, after the last.
     pub links: [Frame; JOINTS + 1],
     /// Which joints slide.
@@ -70,6 +114,25 @@ impl Chart {
     /// The joint whose angle the polynomial is in.
     pub const fn unknown(&self) -> usize {
         let along = (self.hidden % 3) as usize + 3;
+        self.place(along)
+    }
+
+    /// The two joints that are eliminated first.
+    pub const fn eliminated(&self) -> [usize; 2] {
+        [self.place(1), self.place(2)]
+    }
+
+    /// The two joints besides [`Chart::unknown`] that the resultant is in.
+    pub const fn resolved(&self) -> [usize; 2] {
+        match self.hidden % 3 {
+            0 => [self.place(4), self.place(5)],
+            1 => [self.place(3), self.place(5)],
+            _ => [self.place(3), self.place(4)],
+        }
+    }
+
+    /// The joint of the arm at a place of the circuit.
+    const fn place(&self, along: usize) -> usize {
         let first = self.dropped as usize % JOINTS;
         if self.backward { (first + JOINTS - along) % JOINTS } else { (first + along) % JOINTS }
     }
@@ -84,7 +147,7 @@ pub struct Outcome {
     pub miss: f64,
 }
 
-impl GeneralArm<'_> {
+impl SixJoints<'_> {
     /// Hands every solution for a pose of the tip to `found`, some of them more than once.
     ///
     /// Solutions are joint values (rad, m) with what is left of their errors.
@@ -118,10 +181,7 @@ impl GeneralArm<'_> {
     /// Solutions for a pose, by Newton's method from those for a pose next to it.
     fn solve_from(&self, chart: Chart, from: &Frame, pose: &Frame, found: &mut impl FnMut(&Polished)) -> Outcome {
         let scaled = self.scaled();
-        let [before, first, second, third, fourth, fifth, after] = scaled.links;
-        let in_reaches = |pose: &Frame| Frame { translation: pose.translation.map(|x| x / self.reach), ..*pose };
-        let closing = after.compose(&in_reaches(from).inverse()).compose(&before);
-        let circuit = Circuit::new(&[first, second, third, fourth, fifth, closing], &self.prismatic, chart);
+        let circuit = scaled.circuit(chart, &self.in_reaches(from));
         let Some(resultant) = Resultant::new(&circuit, chart) else {
             return Outcome::UNKNOWN;
         };
@@ -129,7 +189,7 @@ impl GeneralArm<'_> {
         if noise > USELESS || noise.is_nan() {
             return Outcome::UNKNOWN;
         }
-        let target = in_reaches(pose);
+        let target = self.in_reaches(pose);
         let roots = waves.roots();
         let mut doubtful = roots.doubtful || noise > NOISE;
         for root in roots.as_slice() {
@@ -151,6 +211,32 @@ impl GeneralArm<'_> {
             doubtful |= !hit;
         }
         Outcome { doubtful, miss: if roots.as_slice().is_empty() { waves.miss() } else { 0.0 } }
+    }
+
+    /// The tip at joint values (rad, m).
+    pub fn tip(&self, q: &[f64; JOINTS]) -> Frame {
+        let [base, links @ ..] = &self.links;
+        let joints = q.iter().zip(self.prismatic);
+        joints.zip(links).fold(*base, |frame, ((value, slides), link)| {
+            frame.compose(&line::Motion::new(slides, *value).frame()).compose(link)
+        })
+    }
+
+    /// How inaccurate the coefficients of a chart's polynomial are at a pose, relative to the greatest: large where the
+    /// chart's degree is too low.
+    pub fn noise(&self, chart: Chart, pose: &Frame) -> f64 {
+        let circuit = self.scaled().circuit(chart, &self.in_reaches(pose));
+        Resultant::new(&circuit, chart).map_or(f64::INFINITY, |resultant| resultant.waves(chart.degree).1)
+    }
+
+    fn circuit(&self, chart: Chart, pose: &Frame) -> Circuit {
+        let [before, first, second, third, fourth, fifth, after] = self.links;
+        let closing = after.compose(&pose.inverse()).compose(&before);
+        Circuit::new(&[first, second, third, fourth, fifth, closing], &self.prismatic, chart)
+    }
+
+    fn in_reaches(&self, pose: &Frame) -> Frame {
+        Frame { translation: pose.translation.map(|x| x / self.reach), ..*pose }
     }
 
     /// With lengths in reaches.

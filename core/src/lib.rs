@@ -15,8 +15,7 @@ extern crate std;
 mod error;
 mod float;
 mod frame;
-/// Chains of six joints without a closed form.
-pub mod general;
+mod general;
 mod generated;
 mod joint;
 mod kinematics;
@@ -37,6 +36,7 @@ mod windings;
 pub use error::{IkError, LengthError};
 pub use float::Float;
 pub use frame::{Frame, rotation_error};
+pub use general::{Chart, GeneralArm, Outcome, Polished, SixJoints};
 pub use generated::{copy_into, joint_array};
 pub use joint::{Joint, JointKind, Limits, NamedPose, Servo};
 pub use kinematics::{FULL_POSE, Kinematics, ProblemInfo};
@@ -44,7 +44,7 @@ pub use mounted::{Mounted, MountingFrame};
 #[cfg(feature = "nalgebra")]
 pub use nalgebra_types::{Jacobian, Pose, jacobian_from_columns};
 pub use rules::{Axis, Bound, KeepOut, Rule, Rules, Side, SumLimit, Violation, Violations, Winding};
-pub use search::{Condition, Roots, Search};
+pub use search::{Candidates, Condition, Roots, Search};
 pub use solution_set::{SolutionSet, SolutionView};
 pub use solutions::{Solution, Solutions};
 pub use step::{Measure, Step};

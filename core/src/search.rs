@@ -2,10 +2,12 @@
 //! accepted or refused, and where nothing is found the failure that came furthest says why.
 
 mod conditions;
+mod general;
 mod polynomial;
 mod trigonometric;
 
 pub use conditions::Condition;
+pub use general::Candidates;
 
 use crate::{Float, IkError, Rule, Solution, Solutions, Step, Winding, residual_tolerance};
 

@@ -49,7 +49,7 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
 }
 
 /// The full pose as a problem of the table that prescribes it and constrains nothing.
-fn full_pose() -> Problem {
+pub(super) fn full_pose() -> Problem {
     Problem {
         name: FULL_POSE.to_owned(),
         target: Target::Pose,

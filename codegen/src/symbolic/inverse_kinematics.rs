@@ -7,6 +7,8 @@
 
 mod atoms;
 mod closure;
+/// Problems without a closed form as chains of six joints.
+pub mod general;
 mod polynomial;
 mod reading;
 mod samples;

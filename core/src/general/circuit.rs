@@ -39,12 +39,6 @@ impl Circuit {
         circuit
     }
 
-    /// What the joint at a place does at the value (rad or m) of the arm's joint.
-    fn motion(&self, place: usize, value: f64) -> Motion {
-        let motion = Motion::new(self.slides(place), value);
-        if self.backward { motion.reversed() } else { motion }
-    }
-
     fn slides(&self, place: usize) -> bool {
         self.prismatic.get(place).copied().unwrap_or(false)
     }
@@ -116,11 +110,6 @@ impl Circuit {
             }
             Some(q)
         })
-    }
-
-    /// The frames of the arm's joints need no circuit; this says how it runs through them.
-    pub(super) fn motion_of(&self, place: usize, value: f64) -> Motion {
-        self.motion(place, value)
     }
 }
 

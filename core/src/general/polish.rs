@@ -1,6 +1,6 @@
 //! Newton's method on the whole pose.
 
-use super::{GeneralArm, JOINTS, linear};
+use super::{JOINTS, SixJoints, linear};
 use crate::Frame;
 use crate::frame::{cross, sub};
 
@@ -21,7 +21,7 @@ const ROUNDING: f64 = 4e-16;
 const DAMPING: f64 = 1e-14;
 
 /// Brings joint values nearer to the pose (in reaches) as long as that is possible.
-pub(super) fn polish(arm: &GeneralArm<'_>, pose: &Frame, q: [f64; JOINTS]) -> Polished {
+pub(super) fn polish(arm: &SixJoints<'_>, pose: &Frame, q: [f64; JOINTS]) -> Polished {
     let mut best = Polished { q, error: f64::INFINITY };
     let mut trial = q;
     let mut failures = 0;
@@ -58,7 +58,7 @@ pub(super) fn polish(arm: &GeneralArm<'_>, pose: &Frame, q: [f64; JOINTS]) -> Po
 }
 
 /// The tip, and the columns of the Jacobian.
-fn columns(arm: &GeneralArm<'_>, q: &[f64; JOINTS]) -> (Frame, [[f64; 6]; JOINTS]) {
+fn columns(arm: &SixJoints<'_>, q: &[f64; JOINTS]) -> (Frame, [[f64; 6]; JOINTS]) {
     let [base, links @ ..] = &arm.links;
     let mut frame = *base;
     let mut axes = [([0.0; 3], [0.0; 3]); JOINTS];

@@ -1,4 +1,4 @@
-use super::{Chart, GeneralArm, JOINTS};
+use super::{Chart, JOINTS, SixJoints};
 use crate::Frame;
 use std::vec::Vec;
 
@@ -25,9 +25,9 @@ fn link([a, alpha, d]: [f64; 3]) -> Frame {
     Frame { rotation: [[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]], translation: [a, 0.0, d] }
 }
 
-fn arm(rows: [[f64; 3]; 6], charts: &[Chart]) -> GeneralArm<'_> {
+fn arm(rows: [[f64; 3]; 6], charts: &[Chart]) -> SixJoints<'_> {
     let [l1, l2, l3, l4, l5, l6] = rows.map(link);
-    GeneralArm {
+    SixJoints {
         links: [Frame::IDENTITY, l1, l2, l3, l4, l5, l6],
         prismatic: [false; 6],
         reach: rows.iter().map(|[a, _, d]| a.abs() + d.abs()).sum(),
@@ -35,7 +35,7 @@ fn arm(rows: [[f64; 3]; 6], charts: &[Chart]) -> GeneralArm<'_> {
     }
 }
 
-fn fk(arm: &GeneralArm<'_>, q: &[f64; JOINTS]) -> Frame {
+fn fk(arm: &SixJoints<'_>, q: &[f64; JOINTS]) -> Frame {
     let mut frame = arm.links[0];
     for (q, link) in q.iter().zip(&arm.links[1..]) {
         frame = frame * turn(*q) * *link;
