@@ -145,6 +145,8 @@ pub struct Outcome {
     pub doubtful: bool,
     /// How far the polynomial stays away from 0, relative to its size; 0 where it has roots.
     pub miss: f64,
+    /// How far (rad, reaches) Newton's method had to go from the worst of the roots.
+    pub moved: f64,
 }
 
 impl SixJoints<'_> {
@@ -152,7 +154,7 @@ impl SixJoints<'_> {
     ///
     /// Solutions are joint values (rad, m) with what is left of their errors.
     pub fn solve(&self, pose: &Frame, mut found: impl FnMut(&Polished)) -> Outcome {
-        let mut outcome = Outcome { doubtful: true, miss: f64::INFINITY };
+        let mut outcome = Outcome::UNKNOWN;
         for chart in self.charts {
             outcome = outcome.and(self.solve_in(*chart, pose, &mut found));
             if !outcome.doubtful {
@@ -191,7 +193,13 @@ impl SixJoints<'_> {
         }
         let target = self.in_reaches(pose);
         let roots = waves.roots();
-        let mut doubtful = roots.doubtful || noise > NOISE;
+        let miss = if roots.as_slice().is_empty() { waves.miss() } else { 0.0 };
+        let mut outcome = Outcome { doubtful: roots.doubtful || noise > NOISE, miss, moved: 0.0 };
+        if roots.as_slice().is_empty() {
+            outcome.doubtful |= miss < NOISE;
+        }
+        let mut known = [[f64::NAN; JOINTS]; 2 * waves::MAX_ROOTS];
+        let mut count = 0;
         for root in roots.as_slice() {
             let mut hit = false;
             for q in circuit.rest(resultant.others(*root)).iter().flatten() {
@@ -199,8 +207,17 @@ impl SixJoints<'_> {
                 if solution.error > FOUND {
                     continue;
                 }
-                let far = solution.q.iter().zip(q).any(|(to, from)| libm::fabs(to - from) > FAR);
-                hit |= !far;
+                let moved = solution.q.iter().zip(q).map(|(to, from)| libm::fabs(to - from));
+                let moved = moved.fold(0.0, |most, x| if x > most { x } else { most });
+                outcome.moved = if moved > outcome.moved { moved } else { outcome.moved };
+                hit |= moved <= FAR;
+                if known.iter().take(count).any(|other| same(other, &solution.q, &self.prismatic)) {
+                    // Two roots have gone to one solution: another may have none.
+                    outcome.doubtful = true;
+                } else if let Some(place) = known.get_mut(count) {
+                    *place = solution.q;
+                    count += 1;
+                }
                 for (value, slides) in solution.q.iter_mut().zip(self.prismatic) {
                     if slides {
                         *value *= self.reach;
@@ -208,9 +225,11 @@ impl SixJoints<'_> {
                 }
                 found(&solution);
             }
-            doubtful |= !hit;
+            outcome.doubtful |= !hit;
         }
-        Outcome { doubtful, miss: if roots.as_slice().is_empty() { waves.miss() } else { 0.0 } }
+        // Real solutions come and go in pairs.
+        outcome.doubtful |= count % 2 == 1;
+        outcome
     }
 
     /// The tip at joint values (rad, m).
@@ -247,19 +266,30 @@ impl SixJoints<'_> {
 }
 
 impl Outcome {
-    const UNKNOWN: Self = Self { doubtful: true, miss: f64::INFINITY };
+    const UNKNOWN: Self = Self { doubtful: true, miss: f64::INFINITY, moved: f64::INFINITY };
 
     /// After one more search.
     fn and(self, other: Self) -> Self {
-        Self { doubtful: other.doubtful, miss: if other.miss < self.miss { other.miss } else { self.miss } }
+        Self { miss: if other.miss < self.miss { other.miss } else { self.miss }, ..other }
     }
+}
+
+/// Two solutions that are nearer than this (rad, reaches) are one.
+const SAME: f64 = 1e-9;
+
+/// Whether two sets of joint values are one but for whole turns.
+fn same(a: &[f64; JOINTS], b: &[f64; JOINTS], prismatic: &[bool; JOINTS]) -> bool {
+    a.iter().zip(b).zip(prismatic).all(|((a, b), slides)| {
+        let apart = if *slides { a - b } else { crate::Float::wrap_angle(a - b) };
+        libm::fabs(apart) <= SAME
+    })
 }
 
 /// Relative noise of the coefficients from which on nothing can be said of the roots.
 const USELESS: f64 = 1e-3;
 
 /// A root from which Newton's method goes this far (rad, reaches) was inaccurate: so may be those that were lost.
-const FAR: f64 = 1e-3;
+const FAR: f64 = 1e-5;
 
 /// How far off (rad, reaches) the neighbouring poses are that help where the equations degenerate.
 const NEIGHBOUR: f64 = 1e-4;

@@ -161,9 +161,10 @@ impl Resultant {
 
     /// The polynomial, and the noise of its coefficients relative to the greatest.
     pub(super) fn waves(&self, degree: u8) -> (Waves, f64) {
-        const MOST: usize = 2 * MAX_DEGREE + 4;
+        const MOST: usize = 2 * MAX_DEGREE + 6;
         let degree = usize::from(degree).min(MAX_DEGREE);
-        let count = 2 * degree + 4;
+        // Enough to see the two harmonics above the degree, which must be 0: one odd, one even.
+        let count = 2 * degree + 6;
         let mut circle = [[0.0; 2]; MOST];
         let mut values = [0.0; MOST];
         let turn = core::f64::consts::TAU / count as f64;
@@ -178,7 +179,7 @@ impl Resultant {
         let mut coefficients = [[0.0; 2]; MAX_DEGREE + 1];
         let mut greatest = 0.0;
         let mut noise = 0.0;
-        for harmonic in 0..=degree + 1 {
+        for harmonic in 0..=degree + 2 {
             let mut at = 0;
             let (mut a, mut b) = (0.0, 0.0);
             for value in values.iter().take(count) {
@@ -197,7 +198,7 @@ impl Resultant {
                 *place = if harmonic == 0 { [a, 0.0] } else { [2.0 * a, 2.0 * b] };
                 greatest = if size > greatest { size } else { greatest };
             } else {
-                noise = size;
+                noise = if size > noise { size } else { noise };
             }
         }
         let scale = if greatest > 0.0 { 1.0 / greatest } else { 1.0 };

@@ -9,6 +9,8 @@ pub(super) const MAX_ROOTS: usize = 2 * MAX_DEGREE;
 const CELLS: usize = 32;
 /// Cells (rad, half their width) that are no longer divided: a cluster of roots is in there.
 const SMALLEST: f64 = 1e-7;
+/// Cells that are looked at, at most: there are some hundred, unless the polynomial is nothing but noise.
+const MOST_CELLS: usize = 2000;
 /// Two roots that come this near to each other (rad) before they would vanish are kept as a candidate, for rounding
 /// errors may have driven them off the real line.
 const NEARLY_MET: f64 = 1e-2;
@@ -93,6 +95,7 @@ impl Waves {
     /// is monotonous or has one extremum is searched, others are halved.
     pub(super) fn roots(&self) -> Roots {
         let mut roots = Roots { list: [0.0; MAX_ROOTS], len: 0, doubtful: false };
+        let mut tries = 0;
         let width = core::f64::consts::TAU / CELLS as f64;
         for cell in 0..CELLS {
             let mut from = cell as f64 * width;
@@ -102,6 +105,11 @@ impl Waves {
             let mut index: u64 = 0;
             let mut depth: u32 = 0;
             while from < end && depth < 64 {
+                tries += 1;
+                if tries > MOST_CELLS {
+                    roots.doubtful = true;
+                    return roots;
+                }
                 if self.cell(from + half, half, &mut roots) {
                     index += 1;
                     from += 2.0 * half;

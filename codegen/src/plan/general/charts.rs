@@ -78,9 +78,10 @@ fn with_degree(six: &SixJoints<'_>, chart: Chart, poses: &[([f64; 6], Frame)]) -
     })
 }
 
-/// How badly a chart does: joint values that were not found, the more so where it seemed certain, then doubts and degree.
+/// How badly a chart does: joint values that were not found, the more so where it seemed certain, then doubts, digits
+/// and degree.
 fn score(six: &SixJoints<'_>, chart: Chart, poses: &[([f64; 6], Frame)]) -> f64 {
-    let mut badness = f64::from(chart.degree) * 0.02;
+    let mut badness = f64::from(chart.degree) * 0.2;
     for (q, pose) in poses {
         let mut found = false;
         let outcome = six.solve_in(chart, pose, &mut |solution| {
@@ -97,6 +98,8 @@ fn score(six: &SixJoints<'_>, chart: Chart, poses: &[([f64; 6], Frame)]) -> f64 
             (false, true) => 1.0,
             (false, false) => 4.0,
         };
+        // Digits that Newton's method had to supply: a twentieth of a miss each.
+        badness += 0.05 * (16.0 + libm::log10(outcome.moved.clamp(1e-16, 1.0)));
     }
     badness
 }
