@@ -105,7 +105,8 @@ pub fn verify_or_else(
     let functions = functions.filter(|(_, report)| passed(report)).map(|(function, _)| function).collect();
     let report = Report { functions: found.into_iter().flatten().collect() };
     for function in &report.functions {
-        let solved = report.functions.iter().any(|other| other.kind == function.kind && other.failure.is_none());
+        let solved =
+            report.functions.iter().any(|other| other.kind == function.kind && other.failure.is_none());
         if let (Some(failure), false) = (&function.failure, solved) {
             diagnostics.push(diagnostic(model, function, failure));
         }
