@@ -4,6 +4,8 @@
 //! the direction of that axis and its point nearest to the origin. What holds of the axes at several drawn joint
 //! values holds always.
 
+#![expect(clippy::unwrap_used, reason = "a test")]
+
 use dh_codegen::compile;
 use dh_codegen::model::geometry::{EXACT, NEARLY_MEETING, NEARLY_PARALLEL, RelationKind};
 use dh_codegen::model::product::frames;
@@ -25,7 +27,7 @@ impl Draw {
     }
 
     fn of<T: Copy>(&mut self, list: &[T]) -> T {
-        list[(((self.next() + 1.0) / 2.0 * list.len() as f64) as usize).min(list.len() - 1)]
+        list[((f64::midpoint(self.next(), 1.0) * list.len() as f64) as usize).min(list.len() - 1)]
     }
 }
 
@@ -148,7 +150,7 @@ fn seen(oracle: &Oracle, angle: f64, distance: f64) -> Found {
 }
 
 fn model(text: &str) -> Model {
-    compile(text, Level::Quick).output.expect("a table without mistakes").model
+    compile(text, Level::Quick).output.unwrap().model
 }
 
 fn named(kind: RelationKind) -> String {
