@@ -47,7 +47,7 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
 
 fn function(problem: usize, derivation: &Derivation, constants: &mut Constants) -> Function {
     let arena = &derivation.arena;
-    let inputs: Vec<String> = derivation
+    let mut inputs: Vec<String> = derivation
         .inputs
         .iter()
         .filter_map(|input| match arena.node(*input) {
@@ -59,12 +59,18 @@ fn function(problem: usize, derivation: &Derivation, constants: &mut Constants) 
         .collect();
     let coefficients: Vec<Expr> =
         derivation.stages.iter().flat_map(|stage| stage.equation.coefficients()).collect();
+    let target = inputs.len();
+    inputs.extend(derivation.given.iter().cloned());
     let mut scheduler = Scheduler::new(arena, constants, &inputs, &coefficients);
     for (index, input) in derivation.inputs.iter().enumerate() {
         scheduler.bind(*input, super::ValueId(index));
     }
+    scheduler.variables = (target..inputs.len()).map(super::ValueId).collect();
+    // What depends on the given joints alone is the same in every branch.
+    scheduler.leaves_of(derivation.given.len(), &coefficients);
+    let mut steps = std::mem::take(&mut scheduler.steps);
     let stages = derivation.stages.iter().map(stage).collect();
-    let steps = nested(&mut scheduler, derivation, 0);
+    steps.extend(nested(&mut scheduler, derivation, 0));
     Function {
         kind: FunctionKind::Inverse(Some(problem)),
         values: scheduler.values,

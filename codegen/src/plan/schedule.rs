@@ -141,6 +141,12 @@ impl<'a> Scheduler<'a> {
 
     /// Sines, cosines and slides that the expressions need and that aren't there yet, in the order of the joints.
     fn leaves(&mut self, roots: &[Expr]) {
+        self.leaves_of(usize::MAX, roots);
+    }
+
+    /// Those of them in which only the first so many variables are.
+    pub(super) fn leaves_of(&mut self, variables: usize, roots: &[Expr]) {
+        let known = |terms: &[(usize, f64)]| terms.iter().all(|(variable, _)| *variable < variables);
         let mut angles: BTreeMap<(Vec<usize>, usize), [Option<Expr>; 2]> = BTreeMap::new();
         let mut slides = BTreeMap::new();
         let mut seen = HashSet::new();
@@ -152,10 +158,17 @@ impl<'a> Scheduler<'a> {
             match self.arena.node(x) {
                 Node::Number(_) => {}
                 Node::Leaf(index) => {
-                    slides.insert(index, x);
+                    if let Some((_, Leaf::Slide { terms, .. })) = self.arena.leaf_at(index)
+                        && known(terms)
+                    {
+                        slides.insert(index, x);
+                    }
                 }
                 Node::Sin(index) | Node::Cos(index) => {
-                    let Some((_, form)) = self.arena.angle_at(index) else { continue };
+                    let Some((_, form)) = self.arena.angle_at(index).filter(|(_, form)| known(&form.terms))
+                    else {
+                        continue;
+                    };
                     let order = form.terms.iter().map(|term| term.0).collect();
                     let pair = angles.entry((order, index)).or_default();
                     let [sin, cos] = pair;

@@ -3,16 +3,20 @@
 //! A prescribed point (or direction) is carried from the base to the frame before each joint by the inverses of the
 //! joints passed, and the same point is carried from the tip to that frame by the joints that follow. Both sides are
 //! equal, row by row, whatever frame they are written in; which frame is simplest differs from arm to arm.
+//!
+//! A prescribed pose can be read from either end: it says where the tool is as seen from the base, and where the base
+//! is as seen from the tool. An arm whose last joints are known, or whose shoulder rather than wrist is spherical, is
+//! solved the second way.
 
 use super::atoms::{AngleData, Atoms};
 use super::polynomial::{Overflow, Polynomial};
-use super::unknowns::Unknowns;
+use super::unknowns::{Free, Unknowns};
 use super::walk::{Vector, Walker};
 use crate::model::chain::Element;
 use crate::model::{JointKind, Model, Target};
 use crate::symbolic::expression::{Arena, Expr, Leaf};
 use crate::symbolic::number::Number;
-use crate::symbolic::transform::{Mat3, Rigid};
+use crate::symbolic::transform::{Mat3, Rigid, Vec3};
 use crate::symbolic::{chain, transform};
 use std::fmt;
 
@@ -119,12 +123,22 @@ pub(super) struct Closure {
     pub equations: Vec<Equation>,
 }
 
+/// From which end a prescribed pose is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Seen {
+    /// The tool, as seen from the base.
+    FromBase,
+    /// The base, as seen from the tool.
+    FromTool,
+}
+
 /// Writes the equations.
 pub(super) fn build(
     arena: &mut Arena,
     model: &Model,
     target: Target,
     unknowns: &Unknowns,
+    seen: Seen,
 ) -> Result<Closure, Trouble> {
     let plain = model.chain();
     let mut walker = Walker { arena, model, unknowns, atoms: Atoms::default() };
@@ -133,7 +147,11 @@ pub(super) fn build(
         target.input_names().iter().map(|name| walker.arena.leaf(name, Leaf::Known)).collect();
     let mut equations = Vec::new();
     let mut group = 0;
-    for tracked in walker.tracked(&plain, target, &inputs)? {
+    let tracked = match seen {
+        Seen::FromBase => walker.tracked(&plain, target, &inputs)?,
+        Seen::FromTool => walker.tracked_base(&plain, target, &inputs)?,
+    };
+    for tracked in tracked {
         walker.track(&plain, &tracked, &mut group, &mut equations)?;
     }
     if let Some((cos, sin)) = yaw_inputs(target, &inputs) {
@@ -210,13 +228,8 @@ impl Walker<'_> {
                 let tool = self.behind_last_joint(plain);
                 let rotation = [[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]];
                 let mut found = self.axes(base, &tool, rotation)?;
-                // The origin of the last joint's frame: p - R tool^T t.
-                let back =
-                    transform::apply(self.arena, &transform::transpose(&tool.rotation), tool.translation);
-                let arm = transform::apply(self.arena, &rotation, back);
                 let frame = chain::rigid(self.arena, base);
-                let origin_of_last = transform::sub(self.arena, [*x, *y, *z], arm);
-                let moved = transform::sub(self.arena, origin_of_last, frame.translation);
+                let moved = self.last_origin(&frame, &tool, &rotation, [*x, *y, *z]);
                 let target = self.behind_base(&frame.rotation, moved, ["px", "py", "pz"], 1)?;
                 found.push(Tracked {
                     what: "position",
@@ -231,6 +244,80 @@ impl Walker<'_> {
             }
             _ => Err(Trouble::Target),
         }
+    }
+
+    /// From the origin behind the base's fixed transform to that of the last joint's frame, p - R tool^T t, in the axes
+    /// of the base frame.
+    fn last_origin(&mut self, base: &Rigid, tool: &Rigid, rotation: &Mat3, p: Vec3) -> Vec3 {
+        let back = transform::apply(self.arena, &transform::transpose(&tool.rotation), tool.translation);
+        let arm = transform::apply(self.arena, rotation, back);
+        let origin = transform::sub(self.arena, p, arm);
+        transform::sub(self.arena, origin, base.translation)
+    }
+
+    /// The base as the tool sees it: its axes, and the point of the first axis from which the second one starts.
+    fn tracked_base(
+        &mut self,
+        plain: &crate::model::Chain,
+        target: Target,
+        inputs: &[Expr],
+    ) -> Result<Vec<Tracked>, Trouble> {
+        let (rotation, position) = match (target, inputs) {
+            (Target::Rotation, [a, b, c, d, e, f, g, h, i]) => {
+                ([[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]], None)
+            }
+            (Target::Pose, [a, b, c, x, d, e, f, y, g, h, i, z]) => {
+                ([[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]], Some([*x, *y, *z]))
+            }
+            _ => return Err(Trouble::Target),
+        };
+        let (zero, one) = (Polynomial::zero(), Polynomial::number(self.size(), Number::ONE));
+        let elements = plain.links.first().map_or(&[][..], |link| &link.elements);
+        let base = chain::rigid(self.arena, elements);
+        let tool = self.behind_last_joint(plain);
+        let turned = transform::product(self.arena, &rotation, &transform::transpose(&tool.rotation));
+        let whole = transform::product(self.arena, &transform::transpose(&base.rotation), &turned);
+        let mut found = Vec::new();
+        for (index, (row, letter)) in whole.into_iter().zip(["x", "y", "z"]).enumerate() {
+            let [x, y, z] = [1, 2, 3].map(|column| format!("r{}{column}0", index + 1));
+            let [rx, ry, rz] = row;
+            let tip = [self.known(&x, rx, 0)?, self.known(&y, ry, 0)?, self.known(&z, rz, 0)?];
+            let mut target = [zero.clone(), zero.clone(), zero.clone()];
+            if let Some(entry) = target.get_mut(index) {
+                *entry = one.clone();
+            }
+            let what = ["base's x axis", "base's y axis", "base's z axis"].get(index).copied();
+            let what = what.unwrap_or("base's axis");
+            found.push(Tracked { what, letter, point: false, target, after_base: true, tip, whole: false });
+        }
+        let Some(position) = position else { return Ok(found) };
+        // Along the first axis, to the common normal with the second.
+        let mut foot = [zero.clone(), zero.clone(), zero];
+        let mut start = [self.arena.zero(); 3];
+        for element in plain.links.get(1).map_or(&[][..], |link| &link.elements) {
+            let Element::Translate { axis: 2, value, name, note } = element else { break };
+            let along = self.parameter(name, *value, note, 1);
+            let [_, _, z] = &mut foot;
+            *z = z.add(&along)?;
+            let along = self.arena.parameter(name, *value, 1, note);
+            let [_, _, z] = &mut start;
+            *z = self.arena.add(*z, along);
+        }
+        let moved = self.last_origin(&base, &tool, &rotation, position);
+        let moved = transform::apply(self.arena, &transform::transpose(&base.rotation), moved);
+        let back = transform::sub(self.arena, start, moved);
+        let [x, y, z] = transform::apply(self.arena, &transform::transpose(&whole), back);
+        let tip = [self.known("bx", x, 1)?, self.known("by", y, 1)?, self.known("bz", z, 1)?];
+        found.push(Tracked {
+            what: "start of the second axis",
+            letter: "",
+            point: true,
+            target: foot,
+            after_base: true,
+            tip,
+            whole: false,
+        });
+        Ok(found)
     }
 
     /// What is behind the last joint.
@@ -410,11 +497,13 @@ impl Closure {
     /// Everything that has to be found.
     pub(super) fn open(&self, unknowns: &Unknowns) -> super::reading::Open {
         let angles = self.atoms.angles.iter().enumerate();
-        let angles = angles.filter(|(_, angle)| matches!(angle, AngleData::Free(_)));
+        let unknown = |index: usize| unknowns.free.get(index).is_some_and(|free| free.given.is_none());
+        let angles = angles.filter(|(_, angle)| matches!(angle, AngleData::Free(index) if unknown(*index)));
         let slides = (0..self.atoms.list.len()).map(|index| index as super::polynomial::Atom);
         // A slide that no equation contains stays open, and the problem unsolved.
-        let absent = unknowns.free.iter().filter(|free| free.kind == JointKind::Prismatic).count();
-        let mut slides: Vec<_> = slides.filter(|atom| self.atoms.slide(*atom).is_some()).collect();
+        let slide = |free: &&Free| free.kind == JointKind::Prismatic && free.given.is_none();
+        let absent = unknowns.free.iter().filter(slide).count();
+        let mut slides: Vec<_> = slides.filter(|atom| self.atoms.slide(*atom).is_some_and(unknown)).collect();
         while slides.len() < absent {
             slides.push(super::polynomial::Atom::MAX);
         }
