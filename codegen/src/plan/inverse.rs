@@ -2,36 +2,39 @@
 
 use super::schedule::{Constants, Scheduler};
 use super::{Equation, Function, FunctionKind, Measure, Scalar, Stage, Step};
-use crate::model::{JointKind, Model, Problem};
+use crate::model::{JointKind, Model, Problem, Target};
 use crate::symbolic::expression::Expr;
 use crate::symbolic::inverse_kinematics::{self, Derivation, Refusal, StageEquation};
+use dh_core::FULL_POSE;
 
 /// A problem that has no function, and why.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Unsolved {
-    /// Index into `Model::problems`.
-    pub problem: usize,
+    /// Index into `Model::problems`; `None` is the full pose.
+    pub problem: Option<usize>,
     /// Why.
     pub refusal: Refusal,
 }
 
-/// The functions of all problems that have a closed form.
+/// The functions of the full pose and of all problems of the table. Several of one kind are strategies for the same
+/// problem, the best first; verification keeps the first that stands it.
 ///
 /// Problems that differ only in their `where` share one derivation.
 pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Function>, Vec<Unsolved>) {
     let (mut functions, mut unsolved) = (Vec::new(), Vec::new());
-    let mut derived: Vec<(usize, Result<Derivation, Refusal>)> = Vec::new();
-    for (index, problem) in model.problems.iter().enumerate() {
+    let mut derived: Vec<(Problem, Result<Derivation, Refusal>)> = Vec::new();
+    let pose = (model.joints.len() <= Target::Pose.rows()).then(|| (None, full_pose()));
+    let entries = model.problems.iter().enumerate().map(|(index, problem)| (Some(index), problem.clone()));
+    for (index, problem) in pose.into_iter().chain(entries) {
         let same = derived.iter().position(|(other, _)| {
-            model.problems.get(*other).is_some_and(|other| {
-                let forms = |p: &Problem| -> Vec<_> {
-                    p.constraints.iter().map(|c| (c.terms.clone(), c.constant)).collect()
-                };
-                other.target == problem.target && other.free == problem.free && forms(other) == forms(problem)
-            })
+            let forms = |p: &Problem| -> Vec<_> {
+                p.constraints.iter().map(|c| (c.terms.clone(), c.constant)).collect()
+            };
+            other.target == problem.target && other.free == problem.free && forms(other) == forms(&problem)
         });
         let at = same.unwrap_or_else(|| {
-            derived.push((index, inverse_kinematics::derive(model, problem)));
+            let derivation = inverse_kinematics::derive(model, &problem);
+            derived.push((problem, derivation));
             derived.len() - 1
         });
         match derived.get(at) {
@@ -45,7 +48,20 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
     (functions, unsolved)
 }
 
-fn function(problem: usize, derivation: &Derivation, constants: &mut Constants) -> Function {
+/// The full pose as a problem of the table that prescribes it and constrains nothing.
+fn full_pose() -> Problem {
+    Problem {
+        name: FULL_POSE.to_owned(),
+        target: Target::Pose,
+        constraints: Vec::new(),
+        filters: Vec::new(),
+        free: Vec::new(),
+        span: 0..0,
+        line: 0,
+    }
+}
+
+fn function(problem: Option<usize>, derivation: &Derivation, constants: &mut Constants) -> Function {
     let arena = &derivation.arena;
     let mut inputs: Vec<String> = derivation
         .inputs
@@ -72,7 +88,7 @@ fn function(problem: usize, derivation: &Derivation, constants: &mut Constants) 
     let stages = derivation.stages.iter().map(stage).collect();
     steps.extend(nested(&mut scheduler, derivation, 0));
     Function {
-        kind: FunctionKind::Inverse(Some(problem)),
+        kind: FunctionKind::Inverse(problem),
         values: scheduler.values,
         inputs: inputs.len(),
         steps,
