@@ -81,6 +81,8 @@ pub struct Function {
     pub values: Vec<String>,
     /// How many of `values` are inputs.
     pub inputs: usize,
+    /// Joints that the caller gives (indices of q), behind the target's numbers among the inputs.
+    pub free: Vec<usize>,
     /// What is computed, in order.
     pub steps: Vec<Step>,
     /// Results of forward functions.

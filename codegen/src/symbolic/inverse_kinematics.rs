@@ -11,13 +11,14 @@ mod polynomial;
 mod reading;
 mod samples;
 mod search;
+mod tracked;
 mod unknowns;
 mod walk;
 mod writing;
 
 use super::expression::{Arena, Expr};
 use crate::model::{JointKind, Model, Problem, Target};
-use closure::Seen;
+use tracked::Seen;
 
 /// The solution of a problem: steps, and the joint variables in terms of their roots.
 ///
@@ -34,6 +35,13 @@ pub struct Derivation {
     pub stages: Vec<Stage>,
     /// Every joint variable q.
     pub joints: Vec<Linear>,
+}
+
+impl Derivation {
+    /// How many branches it has: candidates for solutions.
+    pub fn branches(&self) -> usize {
+        self.stages.iter().map(|stage| stage.equation.roots()).product()
+    }
 }
 
 /// Sum of coefficient * variable, and a constant.
@@ -82,6 +90,14 @@ pub enum StageEquation {
 }
 
 impl StageEquation {
+    /// How many roots it has at most.
+    pub fn roots(&self) -> usize {
+        match self {
+            Self::Trig(_) | Self::Quadratic(_) => 2,
+            Self::TrigPair(..) | Self::Linear(_) => 1,
+        }
+    }
+
     /// In the order in which they are written above.
     pub fn coefficients(&self) -> Vec<Expr> {
         match self {

@@ -62,7 +62,7 @@ impl<'a> Printer<'a> {
         Self::allowances(text, &lines);
         allow_case(text, &private_name(problem));
         let mut parameters = vec![format!("target: &{}", self.runtime_type("Target"))];
-        if let Some(count) = free_count(problem) {
+        if let Some(count) = free_count(function) {
             self.small_arguments(text, count);
             parameters.push(format!(
                 "{}: &[{}; {count}]",
@@ -212,9 +212,9 @@ pub(super) fn target_of(problem: Option<&Problem>) -> Target {
     problem.map_or(Target::Pose, |problem| problem.target)
 }
 
-/// How many joints a problem leaves to the caller, where it does.
-pub(super) fn free_count(problem: Option<&Problem>) -> Option<usize> {
-    problem.map(|problem| problem.free.len()).filter(|count| *count > 0)
+/// How many joints a function leaves to the caller, where it does.
+pub(super) fn free_count(function: &Function) -> Option<usize> {
+    Some(function.free.len()).filter(|count| *count > 0)
 }
 
 /// `[r11, _, r13, ..]`: the numbers of the target that are read, and the values of free joints that are.

@@ -42,7 +42,7 @@ impl Printer<'_> {
         for (function, problem) in self.inverse_functions() {
             let arguments = self.arguments(target_of(problem));
             let methods = Methods { function, problem, suffix: suffix(problem), arguments };
-            if let Some(count) = free_count(problem) {
+            if let Some(count) = free_count(function) {
                 self.geometric(text, &methods, "at", Some(count));
             } else {
                 self.geometric(text, &methods, "all", None);
@@ -62,7 +62,7 @@ impl Printer<'_> {
             ),
             format!("{}.", arguments.meaning),
         ];
-        paragraphs.extend(problem.filter(|_| free.is_some()).map(|problem| self.free_joints(problem)));
+        paragraphs.extend(free.map(|_| self.free_joints(function)));
         paragraphs.extend(problem.and_then(conditions));
         if let Some(stages) = stages(function) {
             paragraphs.push("Solved one after the other:".to_owned());
@@ -140,8 +140,8 @@ impl Printer<'_> {
     }
 
     /// Which joints the caller gives.
-    fn free_joints(&self, problem: &Problem) -> String {
-        let rows = problem.free.iter().filter_map(|joint| self.model.joints.get(*joint));
+    fn free_joints(&self, function: &Function) -> String {
+        let rows = function.free.iter().filter_map(|joint| self.model.joints.get(*joint));
         let names: Vec<_> = rows
             .filter_map(|row| self.model.rows.get(*row))
             .map(|row| format!("{} ({})", clean(&row.name), row_unit(row)))

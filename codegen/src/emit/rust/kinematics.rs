@@ -102,13 +102,13 @@ impl Printer<'_> {
         text.line("out.clear();");
         if solved {
             text.open("let solutions = match problem {");
-            for (_, problem) in self.inverse_functions() {
+            for (function, problem) in self.inverse_functions() {
                 let name = problem
                     .map_or_else(|| self.paths.runtime("FULL_POSE"), |problem| format!("{:?}", problem.name));
                 let solve = private_name(problem);
                 // The trait has no place for the values of free joints.
                 let none =
-                    free_count(problem).map(|_| format!(", {}(&[])?", self.paths.runtime("joint_array")));
+                    free_count(function).map(|_| format!(", {}(&[])?", self.paths.runtime("joint_array")));
                 text.line(format!("{name} => {solve}(target{})?,", none.unwrap_or_default()));
             }
             text.line(format!("_ => return {err}({unknown}),"));

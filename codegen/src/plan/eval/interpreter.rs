@@ -56,9 +56,9 @@ impl<'p, S: Float> Interpreter<'p, S> {
                 Some(problem) => ProblemInfo {
                     name: &problem.name,
                     target: robot::target_kind(problem.target),
-                    free: &problem.free,
+                    free: &function.free,
                 },
-                None => ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
+                None => ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &function.free },
             });
             indices.push(index);
         }
