@@ -431,13 +431,15 @@ fn solve_pose(target: &Target) -> Result<Solutions<2>, IkError> {
     let py0 = py - A2 * r21;
 
     // theta1: a1 c1 = px0; a1 s1 = py0 (rows 1 and 2 of the position in frame 0)
-    for theta1 in search.trig_pair(THETA1, [A1, 0.0, px0], [0.0, A1, py0]) {
+    let mut roots = search.trig_pair(THETA1, [A1, 0.0, px0], [0.0, A1, py0]);
+    while let Some(theta1) = search.next(&mut roots) {
         let (s1, c1) = Float::sin_cos(theta1);
         let xx1 = r11 * c1 + r21 * s1;
         let xy1 = r21 * c1 - r11 * s1;
 
         // theta2: c2 = xx1; s2 = xy1 (rows 1 and 2 of the x axis in frame 1)
-        for theta2 in search.trig_pair(THETA2, [1.0, 0.0, xx1], [0.0, 1.0, xy1]) {
+        let mut roots = search.trig_pair(THETA2, [1.0, 0.0, xx1], [0.0, 1.0, xy1]);
+        while let Some(theta2) = search.next(&mut roots) {
             let q = [theta1, theta2];
             let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
             search.accept(q, position_error, rotation_error);
@@ -458,13 +460,15 @@ fn solve_xy(target: &Target) -> Result<Solutions<2>, IkError> {
     let n0 = px * px + py * py - K2 - K3;
 
     // theta2: 2 a1 a2 c2 = n0 (squared distance of the position from the origin of frame 0)
-    for theta2 in search.trig(THETA2, K1, 0.0, n0) {
+    let mut roots = search.trig(THETA2, K1, 0.0, n0);
+    while let Some(theta2) = search.next(&mut roots) {
         let (s2, c2) = Float::sin_cos(theta2);
         let x1 = A2 * c2 + A1;
         let y1 = A2 * s2;
 
         // theta1: px c1 + py s1 = x1; py c1 - px s1 = y1 (rows 1 and 2 of the position in frame 1)
-        for theta1 in search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]) {
+        let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]);
+        while let Some(theta1) = search.next(&mut roots) {
             let q = [theta1, theta2];
             let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
             search.accept(q, position_error, rotation_error);
@@ -485,13 +489,15 @@ fn solve_xy_elbow_up(target: &Target) -> Result<Solutions<2>, IkError> {
     let n0 = px * px + py * py - K2 - K3;
 
     // theta2: 2 a1 a2 c2 = n0 (squared distance of the position from the origin of frame 0)
-    for theta2 in search.trig(THETA2, K1, 0.0, n0) {
+    let mut roots = search.trig(THETA2, K1, 0.0, n0);
+    while let Some(theta2) = search.next(&mut roots) {
         let (s2, c2) = Float::sin_cos(theta2);
         let x1 = A2 * c2 + A1;
         let y1 = A2 * s2;
 
         // theta1: px c1 + py s1 = x1; py c1 - px s1 = y1 (rows 1 and 2 of the position in frame 1)
-        for theta1 in search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]) {
+        let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]);
+        while let Some(theta1) = search.next(&mut roots) {
             let q = [theta1, theta2];
             let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
             // where theta2 <= 0

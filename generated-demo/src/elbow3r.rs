@@ -487,12 +487,14 @@ fn solve_pose(target: &Target) -> Result<Solutions<3>, IkError> {
     let mut search = Search::new(REACH, &WINDINGS);
 
     // theta1: s1 = r13; c1 = -r23 (rows 1 and 2 of the z axis in frame 0)
-    for theta1 in search.trig_pair(THETA1, [0.0, 1.0, r13], [1.0, 0.0, -r23]) {
+    let mut roots = search.trig_pair(THETA1, [0.0, 1.0, r13], [1.0, 0.0, -r23]);
+    while let Some(theta1) = search.next(&mut roots) {
         let (s1, c1) = Float::sin_cos(theta1);
         let xx1 = r11 * c1 + r21 * s1;
 
         // theta23: c23 = xx1; s23 = r31 (rows 1 and 2 of the x axis in frame 1)
-        for theta23 in search.trig_pair(THETA23, [1.0, 0.0, xx1], [0.0, 1.0, r31]) {
+        let mut roots = search.trig_pair(THETA23, [1.0, 0.0, xx1], [0.0, 1.0, r31]);
+        while let Some(theta23) = search.next(&mut roots) {
             let (s23, c23) = Float::sin_cos(theta23);
             let t1 = A2 * c23;
             let t2 = A2 * s23;
@@ -504,7 +506,8 @@ fn solve_pose(target: &Target) -> Result<Solutions<3>, IkError> {
 
             // theta3: a2 c23 c3 + a2 s23 s3 = x1; a2 s23 c3 - a2 c23 s3 = z0
             // (rows 1 and 2 of the position in frame 1)
-            for theta3 in search.trig_pair(THETA3, [t1, t2, x1], [t2, -t1, z0]) {
+            let mut roots = search.trig_pair(THETA3, [t1, t2, x1], [t2, -t1, z0]);
+            while let Some(theta3) = search.next(&mut roots) {
                 let q = [theta1, theta23 - theta3, theta3];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                 search.accept(q, position_error, rotation_error);
@@ -527,19 +530,22 @@ fn solve_position(target: &Target) -> Result<Solutions<3>, IkError> {
     let n1 = D1 * (2.0 * pz - D1) - (px * px + py * py + pz * pz - K2 - K3);
 
     // theta3: 2 a2 a3 c3 = -n1 (squared distance of the position from the origin of frame 1)
-    for theta3 in search.trig(THETA3, K1, 0.0, -n1) {
+    let mut roots = search.trig(THETA3, K1, 0.0, -n1);
+    while let Some(theta3) = search.next(&mut roots) {
         let (s3, c3) = Float::sin_cos(theta3);
         let z0 = pz - D1;
 
         // theta2: a3 s3 c2 + (a3 c3 + a2) s2 = z0 (row 3 of the position in frame 0)
-        for theta2 in search.trig(THETA2, A3 * s3, A3 * c3 + A2, z0) {
+        let mut roots = search.trig(THETA2, A3 * s3, A3 * c3 + A2, z0);
+        while let Some(theta2) = search.next(&mut roots) {
             let (_, c23) = Float::sin_cos(theta3 + theta2);
             let (_, c2) = Float::sin_cos(theta2);
             let x1 = A2 * c2 + A3 * c23;
 
             // theta1: px c1 + py s1 = x1; py c1 - px s1 = 0
             // (rows 1 and 3 of the position in frame 1)
-            for theta1 in search.trig_pair(THETA1, [px, py, x1], [py, -px, 0.0]) {
+            let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, 0.0]);
+            while let Some(theta1) = search.next(&mut roots) {
                 let q = [theta1, theta2, theta3];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                 search.accept(q, position_error, rotation_error);
@@ -562,19 +568,22 @@ fn solve_position_elbow_up(target: &Target) -> Result<Solutions<3>, IkError> {
     let n1 = D1 * (2.0 * pz - D1) - (px * px + py * py + pz * pz - K2 - K3);
 
     // theta3: 2 a2 a3 c3 = -n1 (squared distance of the position from the origin of frame 1)
-    for theta3 in search.trig(THETA3, K1, 0.0, -n1) {
+    let mut roots = search.trig(THETA3, K1, 0.0, -n1);
+    while let Some(theta3) = search.next(&mut roots) {
         let (s3, c3) = Float::sin_cos(theta3);
         let z0 = pz - D1;
 
         // theta2: a3 s3 c2 + (a3 c3 + a2) s2 = z0 (row 3 of the position in frame 0)
-        for theta2 in search.trig(THETA2, A3 * s3, A3 * c3 + A2, z0) {
+        let mut roots = search.trig(THETA2, A3 * s3, A3 * c3 + A2, z0);
+        while let Some(theta2) = search.next(&mut roots) {
             let (_, c23) = Float::sin_cos(theta3 + theta2);
             let (_, c2) = Float::sin_cos(theta2);
             let x1 = A2 * c2 + A3 * c23;
 
             // theta1: px c1 + py s1 = x1; py c1 - px s1 = 0
             // (rows 1 and 3 of the position in frame 1)
-            for theta1 in search.trig_pair(THETA1, [px, py, x1], [py, -px, 0.0]) {
+            let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, 0.0]);
+            while let Some(theta1) = search.next(&mut roots) {
                 let q = [theta1, theta2, theta3];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                 // where theta3 <= 0

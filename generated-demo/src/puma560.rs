@@ -588,9 +588,11 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
 
     // theta3: 2 a2 a3 c3 - 2 a2 d4 s3 = -n1
     // (squared distance of the position from the origin of frame 1)
-    for theta3 in search.trig(THETA3, K1, -K2, -n1) {
+    let mut roots = search.trig(THETA3, K1, -K2, -n1);
+    while let Some(theta3) = search.next(&mut roots) {
         // theta1: py c1 - px s1 = -d3 (row 3 of the position in frame 1)
-        for theta1 in search.trig(THETA1, py, -px, -D3) {
+        let mut roots = search.trig(THETA1, py, -px, -D3);
+        while let Some(theta1) = search.next(&mut roots) {
             let (s3, c3) = Float::sin_cos(theta3);
             let (s1, c1) = Float::sin_cos(theta1);
             let t1 = px * c1 + py * s1;
@@ -601,7 +603,8 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
             // theta2: (px c1 + py s1) c2 + (pz - d1) s2 = -x2; (pz - d1) c2 - (px c1 + py s1) s2 =
             // y2
             // (rows 1 and 2 of the position in frame 2)
-            for theta2 in search.trig_pair(THETA2, [t1, t2, -x2], [t2, -t1, y2]) {
+            let mut roots = search.trig_pair(THETA2, [t1, t2, -x2], [t2, -t1, y2]);
+            while let Some(theta2) = search.next(&mut roots) {
                 let (s123, c123) = Float::sin_cos(theta3 + theta1 + theta2);
                 let (s1m2m3, c1m2m3) = Float::sin_cos(-theta3 + theta1 - theta2);
                 let (_, c23) = Float::sin_cos(theta3 + theta2);
@@ -612,14 +615,16 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
                 let zz3 = r23 * (t3 - t4) + (r13 * (t5 - t6) + r33 * c23);
 
                 // theta5: c5 = zz3 (row 3 of the z axis in frame 3)
-                for theta5 in search.trig(THETA5, 1.0, 0.0, zz3) {
+                let mut roots = search.trig(THETA5, 1.0, 0.0, zz3);
+                while let Some(theta5) = search.next(&mut roots) {
                     let (s23_v2, _) = Float::sin_cos(theta3 + theta2);
                     let (s5, _) = Float::sin_cos(theta5);
                     let zx3 = r23 * (t5 + t6) + (r13 * (t3 + t4) + r33 * s23_v2);
                     let zz1 = r13 * s1 - r23 * c1;
 
                     // theta4: s5 c4 = -zx3; s5 s4 = zz1 (rows 1 and 2 of the z axis in frame 3)
-                    for theta4 in search.trig_pair(THETA4, [s5, 0.0, -zx3], [0.0, s5, zz1]) {
+                    let mut roots = search.trig_pair(THETA4, [s5, 0.0, -zx3], [0.0, s5, zz1]);
+                    while let Some(theta4) = search.next(&mut roots) {
                         let (s2, c2) = Float::sin_cos(theta2);
                         let (_, c5_v2) = Float::sin_cos(theta5);
                         let (s4, c4) = Float::sin_cos(theta4);
@@ -633,11 +638,12 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
                         let xz4 = t10 * s4 + c4 * t11;
 
                         // theta6: c6 = -xx5_2; s6 = xz4 (rows 1 and 2 of the x axis in frame 5)
-                        for theta6 in search.trig_pair(
+                        let mut roots = search.trig_pair(
                             THETA6,
                             [1.0, 0.0, -xx5_2],
                             [0.0, 1.0, xz4],
-                        ) {
+                        );
+                        while let Some(theta6) = search.next(&mut roots) {
                             let q = [theta1, theta2, theta3, theta4, theta5, theta6];
                             let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                             search.accept(q, position_error, rotation_error);
@@ -665,25 +671,29 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
 
     // theta3: 2 a2 a3 c3 - 2 a2 d4 s3 = -n1
     // (squared distance of the position from the origin of frame 1)
-    for theta3 in search.trig(THETA3, K1, -K2, -n1) {
+    let mut roots = search.trig(THETA3, K1, -K2, -n1);
+    while let Some(theta3) = search.next(&mut roots) {
         let (s3, c3) = Float::sin_cos(theta3);
         let z0 = pz - D1;
 
         // theta2: (d4 c3 + a3 s3) c2 - (d4 s3 - a2 - a3 c3) s2 = z0
         // (row 3 of the position in frame 0)
-        for theta2 in search.trig(THETA2, D4 * c3 + A3 * s3, A3 * c3 - (D4 * s3 - A2), z0) {
+        let mut roots = search.trig(THETA2, D4 * c3 + A3 * s3, A3 * c3 - (D4 * s3 - A2), z0);
+        while let Some(theta2) = search.next(&mut roots) {
             let (s23, c23) = Float::sin_cos(theta3 + theta2);
             let (_, c2) = Float::sin_cos(theta2);
             let x1 = D4 * s23 - A2 * c2 - A3 * c23;
 
             // theta1: px c1 + py s1 = -x1; py c1 - px s1 = -d3
             // (rows 1 and 3 of the position in frame 1)
-            for theta1 in search.trig_pair(THETA1, [px, py, -x1], [py, -px, -D3]) {
+            let mut roots = search.trig_pair(THETA1, [px, py, -x1], [py, -px, -D3]);
+            while let Some(theta1) = search.next(&mut roots) {
                 let (s1, c1) = Float::sin_cos(theta1);
 
                 // theta6: c1 c6 + s1 s6 = -cyaw; s1 c6 - c1 s6 = -syaw
                 // (cosine of the yaw; sine of the yaw)
-                for theta6 in search.trig_pair(THETA6, [c1, s1, -cyaw], [s1, -c1, -syaw]) {
+                let mut roots = search.trig_pair(THETA6, [c1, s1, -cyaw], [s1, -c1, -syaw]);
+                while let Some(theta6) = search.next(&mut roots) {
                     let q = [theta1, theta2, theta3, 0.0, -theta2 - theta3 - PI, theta6];
                     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                     search.accept(q, position_error, rotation_error);

@@ -428,9 +428,11 @@ fn solve_pose(target: &Target) -> Result<Solutions<4>, IkError> {
     let z0 = pz - D1;
 
     // d3: d3 = -z0 (row 3 of the position in frame 0)
-    for d3 in search.linear(D3, 1.0, -z0) {
+    let mut roots = search.linear(D3, 1.0, -z0);
+    while let Some(d3) = search.next(&mut roots) {
         // theta12m4: c12m4 = r11; s12m4 = r21 (rows 1 and 2 of the x axis in frame 0)
-        for theta12m4 in search.trig_pair(THETA12M4, [1.0, 0.0, r11], [0.0, 1.0, r21]) {
+        let mut roots = search.trig_pair(THETA12M4, [1.0, 0.0, r11], [0.0, 1.0, r21]);
+        while let Some(theta12m4) = search.next(&mut roots) {
             let (s12m4, c12m4) = Float::sin_cos(theta12m4);
             let t1 = 2.0 * px;
             let t2 = 2.0 * py;
@@ -438,18 +440,20 @@ fn solve_pose(target: &Target) -> Result<Solutions<4>, IkError> {
             // theta4: a2 (2 px c12m4 + 2 s12m4 py) c4 - a2 (2 px s12m4 - 2 c12m4 py) s4 = px^2 -
             // a1^2 + py^2 + a2^2
             // (squares of rows 1 and 2 of the position in frame 1)
-            for theta4 in search.trig(
+            let mut roots = search.trig(
                 THETA4,
                 A2 * (t1 * c12m4 + s12m4 * t2),
                 -A2 * (t1 * s12m4 - c12m4 * t2),
                 px * px - K1 + py * py + K2,
-            ) {
+            );
+            while let Some(theta4) = search.next(&mut roots) {
                 let (s12, c12) = Float::sin_cos(theta12m4 + theta4);
                 let x2 = px * c12 + py * s12 - A2;
                 let y2 = px * s12 - py * c12;
 
                 // theta2: a1 c2 = x2; a1 s2 = y2 (rows 1 and 2 of the position in frame 2)
-                for theta2 in search.trig_pair(THETA2, [A1, 0.0, x2], [0.0, A1, y2]) {
+                let mut roots = search.trig_pair(THETA2, [A1, 0.0, x2], [0.0, A1, y2]);
+                while let Some(theta2) = search.next(&mut roots) {
                     let q = [theta12m4 - theta2 + theta4, theta2, d3, theta4];
                     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                     search.accept(q, position_error, rotation_error);
@@ -474,24 +478,28 @@ fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
     let z0 = pz - D1;
 
     // d3: d3 = -z0 (row 3 of the position in frame 0)
-    for d3 in search.linear(D3, 1.0, -z0) {
+    let mut roots = search.linear(D3, 1.0, -z0);
+    while let Some(d3) = search.next(&mut roots) {
         let n0 = px * px + py * py + pz * pz - K2 - K1 - K5;
         let n0_2 = d3 * (d3 - K4) - n0;
 
         // theta2: 2 a1 a2 c2 = -n0_2 (squared distance of the position from the origin of frame 0)
-        for theta2 in search.trig(THETA2, K3, 0.0, -n0_2) {
+        let mut roots = search.trig(THETA2, K3, 0.0, -n0_2);
+        while let Some(theta2) = search.next(&mut roots) {
             let (s2, c2) = Float::sin_cos(theta2);
             let x1 = A2 * c2 + A1;
             let y1 = A2 * s2;
 
             // theta1: px c1 + py s1 = x1; py c1 - px s1 = y1
             // (rows 1 and 2 of the position in frame 1)
-            for theta1 in search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]) {
+            let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]);
+            while let Some(theta1) = search.next(&mut roots) {
                 let (s12, c12) = Float::sin_cos(theta2 + theta1);
 
                 // theta4: c12 c4 + s12 s4 = cyaw; s12 c4 - c12 s4 = syaw
                 // (cosine of the yaw; sine of the yaw)
-                for theta4 in search.trig_pair(THETA4, [c12, s12, cyaw], [s12, -c12, syaw]) {
+                let mut roots = search.trig_pair(THETA4, [c12, s12, cyaw], [s12, -c12, syaw]);
+                while let Some(theta4) = search.next(&mut roots) {
                     let q = [theta1, theta2, d3, theta4];
                     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                     search.accept(q, position_error, rotation_error);

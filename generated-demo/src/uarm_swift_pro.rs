@@ -477,27 +477,31 @@ fn solve_pose(target: &Target) -> Result<Solutions<4>, IkError> {
     let px0 = px - D5 * r13;
 
     // theta1: py0 c1 - px0 s1 = 0 (row 3 of the position in frame 1)
-    for theta1 in search.trig(THETA1, py0, -px0, 0.0) {
+    let mut roots = search.trig(THETA1, py0, -px0, 0.0);
+    while let Some(theta1) = search.next(&mut roots) {
         let (s1, c1) = Float::sin_cos(theta1);
         let xx1 = r11 * c1 + r21 * s1;
         let xz1 = r11 * s1 - r21 * c1;
 
         // theta5: c5 = xx1; s5 = xz1 (rows 1 and 3 of the x axis in frame 1)
-        for theta5 in search.trig_pair(THETA5, [1.0, 0.0, xx1], [0.0, 1.0, xz1]) {
+        let mut roots = search.trig_pair(THETA5, [1.0, 0.0, xx1], [0.0, 1.0, xz1]);
+        while let Some(theta5) = search.next(&mut roots) {
             let pz0 = pz - D5 * r33;
             let z0 = pz0 - D1;
             let x1 = px0 * c1 + py0 * s1 - A4 - A1;
 
             // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
             // (squares of rows 1 and 2 of the position in frame 1)
-            for theta3 in search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3) {
+            let mut roots = search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3);
+            while let Some(theta3) = search.next(&mut roots) {
                 let (s3, c3) = Float::sin_cos(theta3);
                 let t1 = A3 * c3 + A2;
                 let t2 = A3 * s3;
 
                 // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0
                 // (rows 1 and 2 of the position in frame 1)
-                for theta2 in search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]) {
+                let mut roots = search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]);
+                while let Some(theta2) = search.next(&mut roots) {
                     let q = [
                         theta1 + FRAC_PI_2,
                         theta2,
@@ -526,24 +530,28 @@ fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
     let mut search = Search::new(REACH, &WINDINGS);
 
     // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
-    for theta1 in search.trig(THETA1, py, -px, 0.0) {
+    let mut roots = search.trig(THETA1, py, -px, 0.0);
+    while let Some(theta1) = search.next(&mut roots) {
         let (s1, c1) = Float::sin_cos(theta1);
 
         // theta5: c1 c5 + s1 s5 = cyaw; s1 c5 - c1 s5 = syaw (cosine of the yaw; sine of the yaw)
-        for theta5 in search.trig_pair(THETA5, [c1, s1, cyaw], [s1, -c1, syaw]) {
+        let mut roots = search.trig_pair(THETA5, [c1, s1, cyaw], [s1, -c1, syaw]);
+        while let Some(theta5) = search.next(&mut roots) {
             let z0 = pz + D5 - D1;
             let x1 = px * c1 + py * s1 - A4 - A1;
 
             // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
             // (squares of rows 1 and 2 of the position in frame 1)
-            for theta3 in search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3) {
+            let mut roots = search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3);
+            while let Some(theta3) = search.next(&mut roots) {
                 let (s3, c3) = Float::sin_cos(theta3);
                 let t1 = A3 * c3 + A2;
                 let t2 = A3 * s3;
 
                 // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0
                 // (rows 1 and 2 of the position in frame 1)
-                for theta2 in search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]) {
+                let mut roots = search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]);
+                while let Some(theta2) = search.next(&mut roots) {
                     let q = [
                         theta1 + FRAC_PI_2,
                         theta2,

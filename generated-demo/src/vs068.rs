@@ -684,14 +684,16 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
     let px0 = px - TOOL_Z * r13;
 
     // theta1: py0 c1 - px0 s1 = 0 (row 3 of the position in frame 1)
-    for theta1 in search.trig(THETA1, py0, -px0, 0.0) {
+    let mut roots = search.trig(THETA1, py0, -px0, 0.0);
+    while let Some(theta1) = search.next(&mut roots) {
         let (s1, c1) = Float::sin_cos(theta1);
         let pz0 = pz - TOOL_Z * r33;
         let n1 = D1 * (2.0 * pz0 - D1) - (px0 * px0 + py0 * py0 + pz0 * pz0 + K2 - K3 - K4);
         let n1_2 = A1 * (2.0 * px0 * c1 + s1 * (2.0 * py0)) + n1;
 
         // theta3: 2 a2 d4 s3 = -n1_2 (squared distance of the position from the origin of frame 1)
-        for theta3 in search.trig(THETA3, 0.0, K1, -n1_2) {
+        let mut roots = search.trig(THETA3, 0.0, K1, -n1_2);
+        while let Some(theta3) = search.next(&mut roots) {
             let (s3, c3) = Float::sin_cos(theta3);
             let t1 = D4 * s3 + A2;
             let t2 = D4 * c3;
@@ -700,7 +702,8 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
 
             // theta2: (d4 s3 + a2) c2 + d4 c3 s2 = x1; d4 c3 c2 - (d4 s3 + a2) s2 = z0
             // (rows 1 and 2 of the position in frame 1)
-            for theta2 in search.trig_pair(THETA2, [t1, t2, x1], [t2, -t1, z0]) {
+            let mut roots = search.trig_pair(THETA2, [t1, t2, x1], [t2, -t1, z0]);
+            while let Some(theta2) = search.next(&mut roots) {
                 let (s1m2m3, c1m2m3) = Float::sin_cos(theta1 - theta3 - theta2);
                 let (s123, c123) = Float::sin_cos(theta1 + theta3 + theta2);
                 let (_, c23) = Float::sin_cos(theta3 + theta2);
@@ -711,14 +714,16 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
                 let zz3 = r23 * (t3 - t4) + (r13 * (t5 - t6) + r33 * c23);
 
                 // theta5: c5 = zz3 (row 3 of the z axis in frame 3)
-                for theta5 in search.trig(THETA5, 1.0, 0.0, zz3) {
+                let mut roots = search.trig(THETA5, 1.0, 0.0, zz3);
+                while let Some(theta5) = search.next(&mut roots) {
                     let (s23_v2, _) = Float::sin_cos(theta3 + theta2);
                     let (s5, _) = Float::sin_cos(theta5);
                     let zx3 = r23 * (t5 + t6) + (r13 * (t3 + t4) - r33 * s23_v2);
                     let zz1 = r23 * c1 - r13 * s1;
 
                     // theta4: s5 c4 = zx3; s5 s4 = zz1 (rows 1 and 2 of the z axis in frame 3)
-                    for theta4 in search.trig_pair(THETA4, [s5, 0.0, zx3], [0.0, s5, zz1]) {
+                    let mut roots = search.trig_pair(THETA4, [s5, 0.0, zx3], [0.0, s5, zz1]);
+                    while let Some(theta4) = search.next(&mut roots) {
                         let (s2, c2) = Float::sin_cos(theta2);
                         let (_, c5_v2) = Float::sin_cos(theta5);
                         let (s4, c4) = Float::sin_cos(theta4);
@@ -732,11 +737,12 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
                         let xz4 = t10 * s4 - c4 * t11;
 
                         // theta6: c6 = xx5_2; s6 = -xz4 (rows 1 and 2 of the x axis in frame 5)
-                        for theta6 in search.trig_pair(
+                        let mut roots = search.trig_pair(
                             THETA6,
                             [1.0, 0.0, xx5_2],
                             [0.0, 1.0, -xz4],
-                        ) {
+                        );
+                        while let Some(theta6) = search.next(&mut roots) {
                             let q = [
                                 theta1 + FRAC_PI_2,
                                 theta2 + FRAC_PI_2,
@@ -769,24 +775,28 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
     let mut search = Search::new(REACH, &WINDINGS);
 
     // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
-    for theta1 in search.trig(THETA1, py, -px, 0.0) {
+    let mut roots = search.trig(THETA1, py, -px, 0.0);
+    while let Some(theta1) = search.next(&mut roots) {
         let (s1, c1) = Float::sin_cos(theta1);
 
         // theta6: s1 c6 - c1 s6 = -cyaw; c1 c6 + s1 s6 = syaw (cosine of the yaw; sine of the yaw)
-        for theta6 in search.trig_pair(THETA6, [s1, -c1, -cyaw], [c1, s1, syaw]) {
+        let mut roots = search.trig_pair(THETA6, [s1, -c1, -cyaw], [c1, s1, syaw]);
+        while let Some(theta6) = search.next(&mut roots) {
             let z0 = pz + TOOL_Z - D1;
             let x1 = px * c1 + py * s1 - A1;
 
             // theta3: 2 a2 d4 s3 = z0^2 + x1^2 - d4^2 - a2^2
             // (squares of rows 1 and 2 of the position in frame 1)
-            for theta3 in search.trig(THETA3, 0.0, K1, z0 * z0 + x1 * x1 - K3 - K4) {
+            let mut roots = search.trig(THETA3, 0.0, K1, z0 * z0 + x1 * x1 - K3 - K4);
+            while let Some(theta3) = search.next(&mut roots) {
                 let (s3, c3) = Float::sin_cos(theta3);
                 let t1 = D4 * s3 + A2;
                 let t2 = D4 * c3;
 
                 // theta2: (d4 s3 + a2) c2 + d4 c3 s2 = x1; d4 c3 c2 - (d4 s3 + a2) s2 = z0
                 // (rows 1 and 2 of the position in frame 1)
-                for theta2 in search.trig_pair(THETA2, [t1, t2, x1], [t2, -t1, z0]) {
+                let mut roots = search.trig_pair(THETA2, [t1, t2, x1], [t2, -t1, z0]);
+                while let Some(theta2) = search.next(&mut roots) {
                     let q = [
                         theta1 + FRAC_PI_2,
                         theta2 + FRAC_PI_2,

@@ -58,9 +58,13 @@ impl Body<'_> {
                     if let Some(stage) = self.function.stages.get(*stage) {
                         explain(text, stage);
                     }
-                    let head = format!("for {} in", self.name(*root));
                     let call = self.kernel(*stage, equation);
-                    text.laid_out(&statement(text.indent(), &head, &call, " {"));
+                    text.laid_out(&statement(text.indent(), "let mut roots =", &call, ";"));
+                    text.line(format!(
+                        "while let {}({}) = search.next(&mut roots) {{",
+                        self.leaves.paths.prelude("Some"),
+                        self.name(*root)
+                    ));
                     let mut nested = Text::indented(text.indent() / 4 + 1);
                     self.steps(&mut nested, body, accept);
                     text.append(&nested.into_string());

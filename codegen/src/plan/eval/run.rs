@@ -125,14 +125,16 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
         else {
             return;
         };
-        let roots = self.roots(*step, solve.equation, registers);
+        let mut roots = self.roots(*step, solve.equation, registers);
         let count = roots.into_iter().count();
         (self.observer)(Event::Stage { index: solve.stage, stage, roots: count });
-        for (number, root) in roots.into_iter().enumerate() {
+        let mut number = 0;
+        while let Some(root) = self.search.next(&mut roots) {
             registers.set(solve.root, root);
             let name = self.names.values.get(solve.root).map_or("", String::as_str);
             (self.observer)(Event::Root { stage: solve.stage, number, name, value: root });
             self.block(&solve.body, registers);
+            number += 1;
         }
         (self.observer)(Event::Done { stage: solve.stage });
     }
