@@ -2,6 +2,7 @@
 //! caller gives, or which is looked for here.
 
 mod intervals;
+mod into_set;
 mod nearest;
 
 use crate::{Float, IkError, Joint, JointKind, Limits, Rules, Solution, Solutions};
@@ -24,6 +25,36 @@ pub struct Redundancy<'a, S = f64> {
     pub reach: S,
 }
 
+/// Values of the joints that a problem leaves to the caller: a number where it is one joint, else an array.
+pub trait FreeValues<const K: usize, S = f64> {
+    /// rad or m, in the order of the problem's joints.
+    fn values(self) -> [S; K];
+}
+
+impl FreeValues<1, f64> for f64 {
+    fn values(self) -> [f64; 1] {
+        [self]
+    }
+}
+
+impl FreeValues<1, f32> for f32 {
+    fn values(self) -> [f32; 1] {
+        [self]
+    }
+}
+
+impl<const K: usize, S> FreeValues<K, S> for [S; K] {
+    fn values(self) -> [S; K] {
+        self
+    }
+}
+
+impl<const K: usize, S: Copy> FreeValues<K, S> for &[S; K] {
+    fn values(self) -> [S; K] {
+        *self
+    }
+}
+
 /// Values of the free joint that are tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Range<S> {
@@ -36,6 +67,13 @@ struct Range<S> {
 impl<S: Float> Range<S> {
     fn width(&self) -> S {
         self.max - self.min
+    }
+}
+
+impl<'a, S> Redundancy<'a, S> {
+    /// A problem that leaves this joint (index of q) to the caller, of an arm with this reach (m).
+    pub const fn new(joint: usize, rules: Rules<'a, S>, reach: S) -> Self {
+        Self { joint, rules, reach }
     }
 }
 

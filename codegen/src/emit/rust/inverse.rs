@@ -96,7 +96,10 @@ impl<'a> Printer<'a> {
         let q = Expression::Array(q.iter().map(|value| body.leaves.expression(value)).collect());
         text.gap();
         text.laid_out(&statement(text.indent(), "let q =", &q, ";"));
-        text.line("let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));");
+        let tool = Expression::Atom("&forward_kinematics(&q)".to_owned());
+        let errors = Expression::Call("target.errors".to_owned(), vec![tool]);
+        let head = "let (position_error, rotation_error) =";
+        text.laid_out(&statement(text.indent(), head, &errors, ";"));
         let filters = problem.map_or(&[][..], |problem| &problem.filters);
         if filters.is_empty() {
             text.line("search.accept(q, position_error, rotation_error);");
