@@ -34,12 +34,18 @@ pub fn general(
     model: &crate::model::Model,
     problem: Option<usize>,
 ) -> Result<Function, crate::symbolic::inverse_kinematics::Refusal> {
-    let entry = match problem {
-        None => Some(inverse::full_pose()),
-        Some(index) => model.problems.get(index).cloned(),
-    };
-    let entry = entry.ok_or(crate::symbolic::inverse_kinematics::Refusal::NotByThisMethod)?;
-    general::function(model, problem, &entry)
+    use crate::symbolic::{inverse_kinematics::Refusal, redundancy};
+    if let Some(index) = problem {
+        let entry = model.problems.get(index).ok_or(Refusal::NotByThisMethod)?;
+        return general::function(model, problem, entry);
+    }
+    let excess = model.joints.len().saturating_sub(crate::model::Target::Pose.rows());
+    let choices = if excess == 1 { redundancy::joints(model) } else { Vec::new() };
+    let mut choices = choices.into_iter().map(|joint| inverse::full_pose(vec![joint]));
+    let first = choices.next().unwrap_or_else(|| inverse::full_pose(Vec::new()));
+    choices.fold(general::function(model, None, &first), |found, other| {
+        found.or_else(|refusal| general::function(model, None, &other).map_err(|_| refusal))
+    })
 }
 
 /// All functions of one robot.
@@ -100,6 +106,8 @@ pub struct Function {
     pub values: Vec<String>,
     /// How many of `values` are inputs.
     pub inputs: usize,
+    /// Joints that the caller gives (indices of q), behind the target's numbers among the inputs.
+    pub free: Vec<usize>,
     /// What is computed, in order.
     pub steps: Vec<Step>,
     /// Results of forward functions.

@@ -202,7 +202,8 @@ impl Verification<'_> {
         if report.inverse.is_none() {
             forward::verify(&program, references, self.reach, report);
         } else if plan.functions.iter().any(|function| function.kind == FunctionKind::Fk) {
-            self.inverse(&program, report);
+            let free = plan.functions.last().map_or(&[][..], |function| &function.free);
+            self.inverse(&program, free, report);
         } else {
             report.failure = Some("it relies on `fk`, which failed".to_owned());
         }
@@ -210,13 +211,14 @@ impl Verification<'_> {
 
     /// The report on a function before it is run.
     fn prepare(&self, plan: &Plan, function: &Function) -> FunctionReport {
-        let mut report = FunctionReport::new(function.kind.clone(), name(self.model, &function.kind));
+        let mut report =
+            FunctionReport::new(function.kind.clone(), name(self.model, &function.kind, &function.free));
         report.failure =
             Program::<f64>::check(self.model, plan, function).err().map(|error| error.to_string());
         report
     }
 
-    fn inverse(&self, program: &Program<'_>, report: &mut FunctionReport) {
+    fn inverse(&self, program: &Program<'_>, free: &[usize], report: &mut FunctionReport) {
         let FunctionKind::Inverse(problem) = report.kind else {
             return;
         };
@@ -227,6 +229,7 @@ impl Verification<'_> {
             program,
             problem,
             constraints: &constraints,
+            free,
             windings: &program.windings(),
             reach: self.reach,
         };
@@ -235,16 +238,17 @@ impl Verification<'_> {
 }
 
 /// The name of a function in generated code.
-fn name(model: &Model, kind: &FunctionKind) -> String {
+fn name(model: &Model, kind: &FunctionKind, free: &[usize]) -> String {
+    let all = if free.is_empty() { "ik_all" } else { "ik_at" };
     match kind {
         FunctionKind::Fk => "fk".to_owned(),
         FunctionKind::FkFlange => "fk_flange".to_owned(),
         FunctionKind::Jacobian => "jacobian".to_owned(),
         FunctionKind::FkJacobian => "fk_jacobian".to_owned(),
         FunctionKind::Frames => "frames".to_owned(),
-        FunctionKind::Inverse(None) => "ik_all".to_owned(),
+        FunctionKind::Inverse(None) => all.to_owned(),
         FunctionKind::Inverse(Some(index)) => {
-            model.problems.get(*index).map_or_else(String::new, |problem| format!("ik_all_{}", problem.name))
+            model.problems.get(*index).map_or_else(String::new, |problem| format!("{all}_{}", problem.name))
         }
     }
 }

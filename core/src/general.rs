@@ -15,16 +15,15 @@
 //! as well. Which choices suit an arm best is found by the compiler.
 
 mod circuit;
+mod jacobian;
 mod line;
 mod linear;
-mod polish;
 mod resultant;
 mod waves;
 
-use crate::Frame;
+use crate::polish::{Polished, polish};
+use crate::{Float, Frame};
 use circuit::Circuit;
-pub use polish::Polished;
-use polish::polish;
 use resultant::Resultant;
 
 /// How many joints the caller leaves to be found.
@@ -153,7 +152,7 @@ impl SixJoints<'_> {
     /// Hands every solution for a pose of the tip to `found`, some of them more than once.
     ///
     /// Solutions are joint values (rad, m) with what is left of their errors.
-    pub fn solve(&self, pose: &Frame, mut found: impl FnMut(&Polished)) -> Outcome {
+    pub fn solve(&self, pose: &Frame, mut found: impl FnMut(&Polished<JOINTS>)) -> Outcome {
         let mut outcome = Outcome::UNKNOWN;
         for chart in self.charts {
             outcome = outcome.and(self.solve_in(*chart, pose, &mut found));
@@ -176,12 +175,12 @@ impl SixJoints<'_> {
     }
 
     /// The same by one choice of joints.
-    pub fn solve_in(&self, chart: Chart, pose: &Frame, found: &mut impl FnMut(&Polished)) -> Outcome {
+    pub fn solve_in(&self, chart: Chart, pose: &Frame, found: &mut impl FnMut(&Polished<JOINTS>)) -> Outcome {
         self.solve_from(chart, pose, pose, found)
     }
 
     /// Solutions for a pose, by Newton's method from those for a pose next to it.
-    fn solve_from(&self, chart: Chart, from: &Frame, pose: &Frame, found: &mut impl FnMut(&Polished)) -> Outcome {
+    fn solve_from(&self, chart: Chart, from: &Frame, pose: &Frame, found: &mut impl FnMut(&Polished<JOINTS>)) -> Outcome {
         let scaled = self.scaled();
         let circuit = scaled.circuit(chart, &self.in_reaches(from));
         let Some(resultant) = Resultant::new(&circuit, chart) else {
@@ -203,8 +202,9 @@ impl SixJoints<'_> {
         for root in roots.as_slice() {
             let mut hit = false;
             for q in circuit.rest(resultant.others(*root)).iter().flatten() {
-                let mut solution = polish(&scaled, &target, *q);
-                if solution.error > FOUND {
+                let exact = |q: &[f64; JOINTS]| jacobian::pose_and_jacobian(&scaled, q);
+                let mut solution = polish(*q, &target, 1.0, STEPS, exact);
+                if Float::max(solution.position_error, solution.rotation_error) > FOUND {
                     continue;
                 }
                 let moved = solution.q.iter().zip(q).map(|(to, from)| libm::fabs(to - from));
@@ -273,6 +273,9 @@ impl Outcome {
         Self { miss: if other.miss < self.miss { other.miss } else { self.miss }, ..other }
     }
 }
+
+/// Steps of Newton's method at most: two or three where the pose is regular.
+const STEPS: usize = 40;
 
 /// Two solutions that are nearer than this (rad, reaches) are one.
 const SAME: f64 = 1e-9;

@@ -193,16 +193,15 @@ impl UR5 {
     /// theta5:   c5 = zz1
     ///           zz1 = r13 s1 - r23 c1
     ///           (row 3 of the z axis in frame 1)
+    /// theta6:   s5 c6 = xz1
+    ///           s5 s6 = -yz1
+    ///           xz1 = r11 s1 - r21 c1
+    ///           yz1 = r12 s1 - r22 c1
+    ///           (row 3 of the x axis in frame 1; row 3 of the y axis in frame 1)
     /// theta234: s5 c234 = -zx1
     ///           s5 s234 = -r33
     ///           zx1 = r13 c1 + r23 s1
     ///           (rows 1 and 2 of the z axis in frame 1)
-    /// theta6:   c6 = xx5_2
-    ///           s6 = -xz4
-    ///           xx5 = s5 (r11 s1 - r21 c1)
-    ///           xx5_2 = c5 ((r11 c1 + r21 s1) c234 + r31 s234) + xx5
-    ///           xz4 = (r11 c1 + r21 s1) s234 - r31 c234
-    ///           (rows 1 and 2 of the x axis in frame 5)
     /// theta3:   2 a2 a3 c3 = z0_2^2 + x1_2^2 - a3^2 - a2^2
     ///           pz0 = pz - d6 r33
     ///           z0 = pz0 - d1
@@ -212,12 +211,12 @@ impl UR5 {
     ///           (squares of rows 1 and 2 of the position in frame 1)
     /// theta4:   (a2 c3 + a3) c4 - a2 s3 s4 = x4
     ///           a2 s3 c4 + (a2 c3 + a3) s4 = z4
-    ///           x4 = s234 z0 + c234 x1
-    ///           z4 = s234 x1 - (c234 z0 + d5)
+    ///           x4 = z0 s234 + c234 x1
+    ///           z4 = s234 x1 - (z0 c234 + d5)
     ///           (rows 1 and 3 of the position in frame 4)
     /// ```
     ///
-    /// Besides solving, on each branch: 29 multiplications, 21 additions, 5 sine-cosine pairs.
+    /// Besides solving, on each branch: 23 multiplications, 18 additions, 4 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -572,13 +571,13 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA5: Step = Step::new(1, 0b1_0000, false, Measure::Ratio);
-    const THETA234: Step = Step::new(2, 0b1110, false, Measure::Ratio);
-    const THETA6: Step = Step::new(3, 0b10_0000, false, Measure::Ratio);
+    const THETA6: Step = Step::new(2, 0b10_0000, false, Measure::Ratio);
+    const THETA234: Step = Step::new(3, 0b1110, false, Measure::Ratio);
     const THETA3: Step = Step::new(4, 0b100, false, Measure::Area);
     const THETA4: Step = Step::new(5, 0b1000, false, Measure::Length);
 
     let target = target.validate_as(TargetKind::Pose)?;
-    let [r11, _, r13, px, r21, _, r23, py, r31, _, r33, pz] = target.numbers().array();
+    let [r11, r12, r13, px, r21, r22, r23, py, _, _, r33, pz] = target.numbers().array();
     let mut search = Search::new(REACH, &WINDINGS);
     let py0 = py - D6 * r23;
     let px0 = px - D6 * r13;
@@ -593,21 +592,19 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
         let mut roots = search.trig(THETA5, 1.0, 0.0, zz1);
         while let Some(theta5) = search.next(&mut roots) {
             let (s5, _) = Float::sin_cos(theta5);
-            let zx1 = r13 * c1 + r23 * s1;
+            let xz1 = r11 * s1 - r21 * c1;
+            let yz1 = r12 * s1 - r22 * c1;
 
-            // theta234: s5 c234 = -zx1; s5 s234 = -r33 (rows 1 and 2 of the z axis in frame 1)
-            let mut roots = search.trig_pair(THETA234, [s5, 0.0, -zx1], [0.0, s5, -r33]);
-            while let Some(theta234) = search.next(&mut roots) {
-                let (_, c5_v2) = Float::sin_cos(theta5);
-                let (s234, c234) = Float::sin_cos(theta234);
-                let t1 = r11 * c1 + r21 * s1;
-                let xx5 = s5 * (r11 * s1 - r21 * c1);
-                let xx5_2 = c5_v2 * (t1 * c234 + r31 * s234) + xx5;
-                let xz4 = t1 * s234 - r31 * c234;
+            // theta6: s5 c6 = xz1; s5 s6 = -yz1
+            // (row 3 of the x axis in frame 1; row 3 of the y axis in frame 1)
+            let mut roots = search.trig_pair(THETA6, [s5, 0.0, xz1], [0.0, s5, -yz1]);
+            while let Some(theta6) = search.next(&mut roots) {
+                let zx1 = r13 * c1 + r23 * s1;
 
-                // theta6: c6 = xx5_2; s6 = -xz4 (rows 1 and 2 of the x axis in frame 5)
-                let mut roots = search.trig_pair(THETA6, [1.0, 0.0, xx5_2], [0.0, 1.0, -xz4]);
-                while let Some(theta6) = search.next(&mut roots) {
+                // theta234: s5 c234 = -zx1; s5 s234 = -r33 (rows 1 and 2 of the z axis in frame 1)
+                let mut roots = search.trig_pair(THETA234, [s5, 0.0, -zx1], [0.0, s5, -r33]);
+                while let Some(theta234) = search.next(&mut roots) {
+                    let (s234, c234) = Float::sin_cos(theta234);
                     let pz0 = pz - D6 * r33;
                     let z0 = pz0 - D1;
                     let z0_2 = z0 + D5 * c234;
@@ -616,22 +613,18 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
 
                     // theta3: 2 a2 a3 c3 = z0_2^2 + x1_2^2 - a3^2 - a2^2
                     // (squares of rows 1 and 2 of the position in frame 1)
-                    let mut roots = search.trig(
-                        THETA3,
-                        K1,
-                        0.0,
-                        z0_2 * z0_2 + x1_2 * x1_2 - K2 - K3,
-                    );
+                    let mut roots =
+                        search.trig(THETA3, K1, 0.0, z0_2 * z0_2 + x1_2 * x1_2 - K2 - K3);
                     while let Some(theta3) = search.next(&mut roots) {
                         let (s3, c3) = Float::sin_cos(theta3);
-                        let t2 = A2 * c3 + A3;
-                        let t3 = A2 * s3;
-                        let x4 = s234 * z0 + c234 * x1;
-                        let z4 = s234 * x1 - (c234 * z0 + D5);
+                        let t1 = A2 * c3 + A3;
+                        let t2 = A2 * s3;
+                        let x4 = z0 * s234 + c234 * x1;
+                        let z4 = s234 * x1 - (z0 * c234 + D5);
 
                         // theta4: (a2 c3 + a3) c4 - a2 s3 s4 = x4; a2 s3 c4 + (a2 c3 + a3) s4 = z4
                         // (rows 1 and 3 of the position in frame 4)
-                        let mut roots = search.trig_pair(THETA4, [t2, -t3, x4], [t3, t2, z4]);
+                        let mut roots = search.trig_pair(THETA4, [t1, -t2, x4], [t2, t1, z4]);
                         while let Some(theta4) = search.next(&mut roots) {
                             let q = [
                                 theta1,
@@ -641,7 +634,8 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
                                 theta5,
                                 theta6,
                             ];
-                            let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                            let (position_error, rotation_error) =
+                                target.errors(&forward_kinematics(&q));
                             search.accept(q, position_error, rotation_error);
                         }
                     }

@@ -229,8 +229,8 @@ impl VS068 {
     ///           (rows 1 and 2 of the x axis in frame 5)
     /// ```
     ///
-    /// Besides solving, on each branch: 47 multiplications, 34 additions, 10 sine-cosine pairs (and
-    /// 6 additions in their arguments).
+    /// Besides solving, on each branch: 47 multiplications, 34 additions, 8 sine-cosine pairs (and
+    /// 5 additions in their arguments).
     ///
     /// # Errors
     ///
@@ -706,7 +706,7 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
             while let Some(theta2) = search.next(&mut roots) {
                 let (s1m2m3, c1m2m3) = Float::sin_cos(theta1 - theta3 - theta2);
                 let (s123, c123) = Float::sin_cos(theta1 + theta3 + theta2);
-                let (_, c23) = Float::sin_cos(theta3 + theta2);
+                let (s23, c23) = Float::sin_cos(theta3 + theta2);
                 let t3 = 0.5 * c1m2m3;
                 let t4 = 0.5 * c123;
                 let t5 = 0.5 * s123;
@@ -716,16 +716,14 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
                 // theta5: c5 = zz3 (row 3 of the z axis in frame 3)
                 let mut roots = search.trig(THETA5, 1.0, 0.0, zz3);
                 while let Some(theta5) = search.next(&mut roots) {
-                    let (s23_v2, _) = Float::sin_cos(theta3 + theta2);
-                    let (s5, _) = Float::sin_cos(theta5);
-                    let zx3 = r23 * (t5 + t6) + (r13 * (t3 + t4) - r33 * s23_v2);
+                    let (s5, c5) = Float::sin_cos(theta5);
+                    let zx3 = r23 * (t5 + t6) + (r13 * (t3 + t4) - r33 * s23);
                     let zz1 = r23 * c1 - r13 * s1;
 
                     // theta4: s5 c4 = zx3; s5 s4 = zz1 (rows 1 and 2 of the z axis in frame 3)
                     let mut roots = search.trig_pair(THETA4, [s5, 0.0, zx3], [0.0, s5, zz1]);
                     while let Some(theta4) = search.next(&mut roots) {
                         let (s2, c2) = Float::sin_cos(theta2);
-                        let (_, c5_v2) = Float::sin_cos(theta5);
                         let (s4, c4) = Float::sin_cos(theta4);
                         let t7 = r12 * c1 + r22 * s1;
                         let t8 = s3 * t7 + r32 * c3;
@@ -733,15 +731,12 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
                         let t10 = s2 * t8 - c2 * t9;
                         let t11 = r12 * s1 - r22 * c1;
                         let xx5 = s5 * (s2 * t9 + c2 * t8);
-                        let xx5_2 = c5_v2 * (t10 * c4 + s4 * t11) + xx5;
+                        let xx5_2 = c5 * (t10 * c4 + s4 * t11) + xx5;
                         let xz4 = t10 * s4 - c4 * t11;
 
                         // theta6: c6 = xx5_2; s6 = -xz4 (rows 1 and 2 of the x axis in frame 5)
-                        let mut roots = search.trig_pair(
-                            THETA6,
-                            [1.0, 0.0, xx5_2],
-                            [0.0, 1.0, -xz4],
-                        );
+                        let mut roots =
+                            search.trig_pair(THETA6, [1.0, 0.0, xx5_2], [0.0, 1.0, -xz4]);
                         while let Some(theta6) = search.next(&mut roots) {
                             let q = [
                                 theta1 + FRAC_PI_2,
@@ -751,7 +746,8 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
                                 theta5,
                                 theta6,
                             ];
-                            let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                            let (position_error, rotation_error) =
+                                target.errors(&forward_kinematics(&q));
                             search.accept(q, position_error, rotation_error);
                         }
                     }

@@ -77,6 +77,7 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         kind: FunctionKind::Inverse(index),
         values,
         inputs,
+        free: problem.free.clone(),
         steps: vec![Step::General { stage: 0, chain, given, roots, body }],
         outputs: Vec::new(),
         counts: Counts::default(),

@@ -67,7 +67,7 @@ impl<'a> Printer<'a> {
         Self::allowances(text, &lines);
         allow_case(text, &private_name(problem));
         let mut parameters = vec![format!("target: &{}", self.runtime_type("Target"))];
-        if let Some(count) = free_count(problem) {
+        if let Some(count) = free_count(function) {
             self.small_arguments(text, count);
             parameters.push(format!(
                 "{}: &[{}; {count}]",
@@ -136,7 +136,10 @@ impl<'a> Printer<'a> {
         let q = Expression::Array(q.iter().map(|value| body.leaves.expression(value)).collect());
         text.gap();
         text.laid_out(&statement(text.indent(), "let q =", &q, ";"));
-        text.line("let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));");
+        let tool = Expression::Atom("&forward_kinematics(&q)".to_owned());
+        let errors = Expression::Call("target.errors".to_owned(), vec![tool]);
+        let head = "let (position_error, rotation_error) =";
+        text.laid_out(&statement(text.indent(), head, &errors, ";"));
         let filters = problem.map_or(&[][..], |problem| &problem.filters);
         if filters.is_empty() {
             text.line("search.accept(q, position_error, rotation_error);");
@@ -252,9 +255,9 @@ pub(super) fn target_of(problem: Option<&Problem>) -> Target {
     problem.map_or(Target::Pose, |problem| problem.target)
 }
 
-/// How many joints a problem leaves to the caller, where it does.
-pub(super) fn free_count(problem: Option<&Problem>) -> Option<usize> {
-    problem.map(|problem| problem.free.len()).filter(|count| *count > 0)
+/// How many joints a function leaves to the caller, where it does.
+pub(super) fn free_count(function: &Function) -> Option<usize> {
+    Some(function.free.len()).filter(|count| *count > 0)
 }
 
 /// `[r11, _, r13, ..]`: the numbers of the target that are read, and the values of free joints that are.

@@ -99,7 +99,7 @@ pub(super) struct Routine<S> {
 impl<S: Float> Routine<S> {
     /// Checks and lowers one function of a plan.
     pub(super) fn lower(model: &Model, plan: &Plan, function: &Function) -> Result<Self, PlanError> {
-        let shape = Shape::of(model, &function.kind)?;
+        let shape = Shape::of(model, &function.kind, &function.free)?;
         shape.check(function)?;
         let mut lowering = Lowering {
             plan,
@@ -123,7 +123,7 @@ struct Shape {
 }
 
 impl Shape {
-    fn of(model: &Model, kind: &FunctionKind) -> Result<Self, PlanError> {
+    fn of(model: &Model, kind: &FunctionKind, free: &[usize]) -> Result<Self, PlanError> {
         let joints = model.joints.len();
         let forward = |outputs| Shape { inputs: joints, outputs };
         Ok(match kind {
@@ -131,10 +131,14 @@ impl Shape {
             FunctionKind::Jacobian => forward(6 * joints),
             FunctionKind::FkJacobian => forward(12 + 6 * joints),
             FunctionKind::Frames => forward(12 * (model.rows.len() + 1)),
-            FunctionKind::Inverse(None) => Shape { inputs: target_inputs(Target::Pose).len(), outputs: 0 },
-            FunctionKind::Inverse(Some(index)) => {
-                let problem = model.problems.get(*index).ok_or(PlanError::Problem { index: *index })?;
-                Shape { inputs: target_inputs(problem.target).len() + problem.free.len(), outputs: 0 }
+            FunctionKind::Inverse(problem) => {
+                let target = match problem {
+                    None => Target::Pose,
+                    Some(index) => {
+                        model.problems.get(*index).ok_or(PlanError::Problem { index: *index })?.target
+                    }
+                };
+                Shape { inputs: target_inputs(target).len() + free.len(), outputs: 0 }
             }
         })
     }

@@ -42,7 +42,7 @@ pub fn chain(model: &Model, problem: &Problem) -> Result<General, Refusal> {
     if problem.constraints.iter().any(super::by_a_fraction) {
         return Err(Refusal::Coupling);
     }
-    let unknowns = unknowns::eliminate(model, &problem.constraints).map_err(|_| Refusal::Coupling)?;
+    let unknowns = unknowns::eliminate(model, &problem.constraints, &problem.free).map_err(|_| Refusal::Coupling)?;
     let behind = behind_the_tool(problem.target).ok_or(Refusal::NotByThisMethod)?;
     let table = model.chain();
     let mut links = table.links.iter().map(frame);
@@ -61,7 +61,10 @@ pub fn chain(model: &Model, problem: &Problem) -> Result<General, Refusal> {
                     return Err(Refusal::NoClosedForm);
                 }
                 *place = Some(general.joints.len());
-                let given = given(model, problem, joint.row)?;
+                let given = unknowns.free.get(variable).and_then(|free| free.given).map(|given| Linear {
+                    terms: vec![(given.place, given.factor)],
+                    constant: given.at_zero.value(),
+                });
                 general.joints.push(GeneralJoint { prismatic, row: Some(joint.row), given });
                 general.links.push(link);
                 link = after;
@@ -102,21 +105,6 @@ fn single(form: &Form) -> Value {
         (Some((variable, factor)), None) if *factor == 1.0 && form.offset.value() == 0.0 => Value::Free(variable),
         _ => Value::Follows,
     }
-}
-
-/// The value of a row in terms of the problem's free joints, where these determine it.
-fn given(model: &Model, problem: &Problem, row: usize) -> Result<Option<Linear>, Refusal> {
-    let data = model.rows.get(row).ok_or(Refusal::Coupling)?;
-    let place = |joint: usize| problem.free.iter().position(|free| *free == joint);
-    let terms: Vec<_> = data.terms.iter().filter_map(|(joint, factor)| Some((place(*joint)?, *factor))).collect();
-    if terms.is_empty() {
-        return Ok(None);
-    }
-    if terms.len() < data.terms.len() {
-        return Err(Refusal::Free);
-    }
-    let constant = if data.kind == JointKind::Prismatic { data.d } else { data.theta.value };
-    Ok(Some(Linear { terms, constant }))
 }
 
 fn held(prismatic: bool, form: &Form) -> Frame {
