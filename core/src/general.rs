@@ -161,13 +161,11 @@ impl SixJoints<'_> {
             }
         }
         // Where the equations degenerate at this very pose, those of poses on both sides of it don't.
-        for chart in self.charts.iter().take(1) {
-            for size in [NEIGHBOUR, -NEIGHBOUR] {
-                let beside = pose.compose(&Frame::from_rpy(
-                    [0.61 * size * self.reach, -0.45 * size * self.reach, 0.37 * size * self.reach],
-                    [0.53 * size, 0.71 * size, -0.42 * size],
-                ));
-                let from = self.solve_from(*chart, &beside, pose, &mut found);
+        for chart in self.charts.iter().take(2) {
+            for (size, side) in NEIGHBOURS {
+                let [x, y, z, roll, pitch, yaw] = side.map(|part| part * size);
+                let step = Frame::from_rpy([x, y, z].map(|length| length * self.reach), [roll, pitch, yaw]);
+                let from = self.solve_from(*chart, &pose.compose(&step), pose, &mut found);
                 outcome = Outcome { doubtful: true, ..outcome.and(from) };
             }
         }
@@ -192,10 +190,10 @@ impl SixJoints<'_> {
         }
         let target = self.in_reaches(pose);
         let roots = waves.roots();
-        let miss = if roots.as_slice().is_empty() { waves.miss() } else { 0.0 };
+        let miss = if roots.as_slice().is_empty() { waves.miss(&roots) } else { 0.0 };
         let mut outcome = Outcome { doubtful: roots.doubtful || noise > NOISE, miss, moved: 0.0 };
         if roots.as_slice().is_empty() {
-            outcome.doubtful |= miss < NOISE;
+            outcome.doubtful |= miss < NEARLY;
         }
         let mut known = [[f64::NAN; JOINTS]; 2 * waves::MAX_ROOTS];
         let mut count = 0;
@@ -294,8 +292,18 @@ const USELESS: f64 = 1e-3;
 /// A root from which Newton's method goes this far (rad, reaches) was inaccurate: so may be those that were lost.
 const FAR: f64 = 1e-5;
 
-/// How far off (rad, reaches) the neighbouring poses are that help where the equations degenerate.
-const NEIGHBOUR: f64 = 1e-4;
+/// Neighbouring poses that help where the equations degenerate: how far off they are (rad, reaches), and where. They come
+/// in opposite pairs, for of two solutions that meet at a pose there are two on one side of it and none on the other.
+const NEIGHBOURS: [(f64, [f64; 6]); 6] =
+    [(1e-6, ASIDE), (-1e-6, ASIDE), (1e-4, ASKEW), (-1e-4, ASKEW), (1e-3, ASIDE), (-1e-3, ASIDE)];
+
+/// No direction of symmetry.
+const ASIDE: [f64; 6] = [0.61, -0.45, 0.37, 0.53, 0.71, -0.42];
+/// Another one.
+const ASKEW: [f64; 6] = [-0.33, 0.58, 0.71, -0.67, 0.24, 0.49];
+
+/// A polynomial without roots that comes as near to 0 as this, relative to its size, may have had some.
+const NEARLY: f64 = 1e-6;
 
 /// Relative noise of the coefficients from which on roots may have been lost.
 const NOISE: f64 = 1e-8;

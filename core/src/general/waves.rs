@@ -9,6 +9,8 @@ pub(super) const MAX_ROOTS: usize = 2 * MAX_DEGREE;
 const CELLS: usize = 32;
 /// Cells (rad, half their width) that are no longer divided: a cluster of roots is in there.
 const SMALLEST: f64 = 1e-7;
+/// Cells (rad, half their width) that are as small as this are next to a cluster of roots.
+const CLUSTER: f64 = 1e-3;
 /// Cells that are looked at, at most: there are some hundred, unless the polynomial is nothing but noise.
 const MOST_CELLS: usize = 2000;
 /// Two roots that come this near to each other (rad) before they would vanish are kept as a candidate, for rounding
@@ -30,6 +32,8 @@ pub(super) struct Roots {
     len: usize,
     /// Whether some are double, or more came than there is room for.
     pub(super) doubtful: bool,
+    /// How near the polynomial was seen to come to 0.
+    least: f64,
 }
 
 impl Roots {
@@ -75,18 +79,10 @@ impl Waves {
         [p[0], -zd[1], -(zd[0] + 2.0 * zze)]
     }
 
-    /// How near the polynomial comes to 0, relative to its size.
-    pub(super) fn miss(&self) -> f64 {
-        let mut size = 0.0;
-        for [a, b] in self.coefficients {
-            size += libm::sqrt(a * a + b * b);
-        }
-        let mut least = f64::INFINITY;
-        for k in 0..4 * MAX_DEGREE {
-            let value = libm::fabs(self.at(k as f64 * core::f64::consts::TAU / (4 * MAX_DEGREE) as f64)[0]);
-            least = if value < least { value } else { least };
-        }
-        if size > 0.0 { least / size } else { f64::INFINITY }
+    /// How near the polynomial was seen to come to 0, relative to its size.
+    pub(super) fn miss(&self, roots: &Roots) -> f64 {
+        let size = self.coefficients.iter().fold(0.0, |sum, [a, b]| sum + libm::sqrt(a * a + b * b));
+        if size > 0.0 { roots.least / size } else { f64::INFINITY }
     }
 
     /// All roots in a turn.
@@ -94,7 +90,7 @@ impl Waves {
     /// A cell in which Taylor's expansion at its middle leaves no room for a root is dropped, one in which the polynomial
     /// is monotonous or has one extremum is searched, others are halved.
     pub(super) fn roots(&self) -> Roots {
-        let mut roots = Roots { list: [0.0; MAX_ROOTS], len: 0, doubtful: false };
+        let mut roots = Roots { list: [0.0; MAX_ROOTS], len: 0, doubtful: false, least: f64::INFINITY };
         let mut tries = 0;
         let width = core::f64::consts::TAU / CELLS as f64;
         for cell in 0..CELLS {
@@ -136,7 +132,10 @@ impl Waves {
         let [f, d, e] = self.at(middle);
         let rest = self.third * half;
         let flat = (libm::fabs(e) + rest / 3.0) * half / 2.0;
+        roots.least = if libm::fabs(f) < roots.least { libm::fabs(f) } else { roots.least };
         if libm::fabs(f) > (libm::fabs(d) + flat) * half {
+            // Simple and double roots are told from far off: what is looked at so closely is next to several.
+            roots.doubtful |= half < CLUSTER;
             // No root; but two may have met just off the real line.
             if half <= NEARLY_MET {
                 return true;
@@ -247,6 +246,7 @@ mod tests {
     #[test]
     fn simple_roots_are_found() {
         for list in [
+            &[1.0, 1.004, 1.0041, 1.008, 2.0, 4.0],
             &[0.3, 1.0, 2.5, 2.6, 4.0, 6.2][..],
             &[0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 3.0, 3.1],
             &[1.0, 1.0001, 2.0, 5.0],

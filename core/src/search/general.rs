@@ -5,10 +5,10 @@ use crate::general::{GeneralArm, JOINTS};
 use crate::{Float, Frame, IkError, Step, Target};
 
 /// How many candidates are kept: the sixteen solutions that six joints can have, and what double roots add.
-const MAX_CANDIDATES: usize = 32;
+const MAX_CANDIDATES: usize = 64;
 
 /// Two candidates that are nearer than this (rad, reaches) are one.
-const SAME: f64 = 1e-9;
+const SAME: f64 = 1e-6;
 
 /// Values of six joints each.
 #[derive(Debug, Clone, Copy, PartialEq)]
