@@ -12,9 +12,9 @@ mod bus;
 pub mod control_table;
 pub mod instruction;
 pub mod packet;
-//mod simulated;
+mod simulated;
 pub mod status;
 
 //pub use arm::{Arm, Settings};
 pub use bus::{Answer, Bus, Confirmed, Identity, Timing};
-//pub use simulated::{ServoSpec, SimulatedBus, SimulatedServo};
+pub use simulated::{ServoSpec, SimulatedBus, SimulatedServo};

@@ -383,10 +383,11 @@ impl Bus {
         let Request { command, ref expected, .. } = *request;
         self.restore(command)?;
         let start = self.port.clock().now();
-        let mut miss = Miss::Silent(None, false);
+        let silent = Cause::Silent { waited: Duration::ZERO };
+        let mut miss = (None, silent.clone());
         for _ in 0..self.timing.attempts.max(1) {
             if self.echo.may_answer(expected) && !self.clear(command, expected)? {
-                miss = Miss::Silent(expected.first().map(|(id, _)| *id), false);
+                miss = (expected.first().map(|(id, _)| *id), silent.clone());
                 continue;
             }
             let sent = self.port.clock().now();
@@ -394,7 +395,7 @@ impl Bus {
                 Err(Miss::Port(error)) => return Err(self.failed(command, error)),
                 Err(Miss::Silent(id, broken)) => {
                     self.echo.missed(expected);
-                    miss = Miss::Silent(id, broken);
+                    miss = (id, if broken { Cause::Garbled } else { silent.clone() });
                     if !request.again {
                         break;
                     }
@@ -406,23 +407,22 @@ impl Bus {
                         self.heard = Some(sent);
                         return Ok(statuses.into_iter().map(answer).collect());
                     };
+                    let (id, error) = (Some(refused.id), refused.error);
+                    let refusal = Cause::Refused { code: error.code(), meaning: error.meaning() };
                     // The request was damaged on its way, or an earlier one was refused twice.
-                    let doubtful = refused.error.code() == CRC_ERROR || self.echo.may_refuse();
+                    let (damaged, doubtful) = (error.code() == CRC_ERROR, self.echo.may_refuse());
                     self.echo.missed(expected);
-                    if !doubtful || !request.again {
-                        let (code, meaning) = (refused.error.code(), refused.error.meaning());
-                        return Err(self.error(command, Some(refused.id), Cause::Refused { code, meaning }));
+                    if !(damaged || doubtful) || !request.again {
+                        return Err(self.error(command, id, refusal));
                     }
-                    miss = Miss::Silent(Some(refused.id), true);
+                    miss = (id, if damaged { refusal } else { Cause::Garbled });
                 }
             }
         }
         let waited = self.port.clock().now() - start;
-        let (id, broken) = match miss {
-            Miss::Silent(id, broken) => (id, broken),
-            Miss::Port(_) => (None, false),
-        };
-        Err(self.error(command, id, if broken { Cause::Garbled } else { Cause::Silent { waited } }))
+        let (id, cause) = miss;
+        let cause = if let Cause::Silent { .. } = cause { Cause::Silent { waited } } else { cause };
+        Err(self.error(command, id, cause))
     }
 
     /// Asks once.
