@@ -7,7 +7,7 @@
 //!
 //! Source: the makers' e-manual, "DYNAMIXEL Protocol 2.0" and the pages of XL430-W250, XM430-W350 and XM540-W270.
 
-//mod arm;
+mod arm;
 mod bus;
 pub mod control_table;
 pub mod instruction;
@@ -15,6 +15,6 @@ pub mod packet;
 mod simulated;
 pub mod status;
 
-//pub use arm::{Arm, Settings};
+pub use arm::{Arm, Settings};
 pub use bus::{Answer, Bus, Confirmed, Identity, Timing};
 pub use simulated::{ServoSpec, SimulatedBus, SimulatedServo};

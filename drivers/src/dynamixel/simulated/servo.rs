@@ -87,6 +87,12 @@ impl SimulatedServo {
         register.value_in(&self.memory, 0).unwrap_or(0)
     }
 
+    /// Sets a register as if it had been set up so; nothing is refused.
+    pub fn set(&mut self, register: &Register, value: i64) {
+        self.put(register, value);
+        self.drive();
+    }
+
     /// Latches hardware errors, as overload or heat would; torque goes if the shutdown register says so.
     pub fn latch(&mut self, bits: u8) {
         self.put(&HARDWARE_ERROR, self.get(&HARDWARE_ERROR) | i64::from(bits));
