@@ -1,0 +1,63 @@
+//! An arm with the limits that motion may use.
+
+use dh_runtime::{
+    Frame, IkError, Joint, Kinematics, LengthError, Limits, ProblemInfo, Rules, SolutionSet, Target,
+};
+
+/// The same arm with other limits of its joints: those of the table and what its servos leave of them. Inverse
+/// problems and checks then keep to both.
+#[derive(Clone)]
+pub(super) struct Narrowed<'k> {
+    arm: &'k dyn Kinematics,
+    joints: Vec<Joint<'k>>,
+}
+
+impl<'k> Narrowed<'k> {
+    /// With these limits (rad or m), one a joint.
+    pub(super) fn new(arm: &'k dyn Kinematics, limits: impl Iterator<Item = Option<Limits>>) -> Self {
+        let joints = arm.joints().iter().zip(limits).map(|(joint, limits)| Joint { limits, ..*joint });
+        Self { arm, joints: joints.collect() }
+    }
+}
+
+impl std::fmt::Debug for Narrowed<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Narrowed").field("arm", &self.arm.name()).field("joints", &self.joints).finish()
+    }
+}
+
+impl Kinematics for Narrowed<'_> {
+    fn name(&self) -> &str {
+        self.arm.name()
+    }
+    fn fingerprint(&self) -> u64 {
+        self.arm.fingerprint()
+    }
+    fn rows(&self) -> usize {
+        self.arm.rows()
+    }
+    fn rules(&self) -> Rules<'_> {
+        Rules { joints: &self.joints, ..self.arm.rules() }
+    }
+    fn problems(&self) -> &[ProblemInfo<'_>] {
+        self.arm.problems()
+    }
+    fn fk(&self, q: &[f64]) -> Result<Frame, LengthError> {
+        self.arm.fk(q)
+    }
+    fn fk_flange(&self, q: &[f64]) -> Result<Frame, LengthError> {
+        self.arm.fk_flange(q)
+    }
+    fn frames_into(&self, q: &[f64], out: &mut [Frame]) -> Result<usize, LengthError> {
+        self.arm.frames_into(q, out)
+    }
+    fn jacobian_into(&self, q: &[f64], out: &mut [[f64; 6]]) -> Result<(), LengthError> {
+        self.arm.jacobian_into(q, out)
+    }
+    fn ik_into(&self, problem: &str, target: &Target, out: &mut SolutionSet) -> Result<(), IkError> {
+        self.arm.ik_into(problem, target, out)
+    }
+    fn rules_point(&self, q: &[f64]) -> Result<[f64; 3], LengthError> {
+        self.arm.rules_point(q)
+    }
+}
