@@ -12,8 +12,10 @@
 //! What is checked: limits of joints, of sums and of servos; workspace rules, for the tool point only, everywhere on
 //! the way; speed; along paths that solutions neither end, nor jump to another branch, nor come near a singularity.
 
+mod checked;
 mod clearance;
 mod command;
+mod course;
 mod dynamics;
 mod error;
 mod follow;
@@ -29,12 +31,13 @@ mod singular;
 mod spline;
 mod timing;
 
+pub use checked::Checked;
 pub use clearance::WAY_TOLERANCE;
 pub use command::Command;
 pub use dynamics::{Defaults, Dynamics};
 pub use error::MotionError;
 pub use moves::Move;
-pub use planner::{Checked, OtherArm, Planner};
+pub use planner::{OtherArm, Planner};
 pub use profile::{Profile, ProfileError};
 pub use refusal::{JointName, Reason, Refusal, Sample};
 pub use robot::{ConnectError, Progress, Robot, StopHandle};

@@ -10,7 +10,7 @@ use std::time::Duration;
 #[non_exhaustive]
 pub enum MotionError {
     /// It was refused; nothing was sent.
-    Refused(Refusal),
+    Refused(Box<Refusal>),
     /// The arm is not where the checked moves begin; nothing was sent that moves it.
     NotAtStart {
         /// The joint that is furthest off.
@@ -36,7 +36,7 @@ pub enum MotionError {
         /// For how long.
         lost: Duration,
         /// What the last try said.
-        last: DriverError,
+        last: Box<DriverError>,
     },
     /// The arm was not where it should have been. It was told to stop.
     Strayed {
@@ -78,7 +78,7 @@ pub enum MotionError {
         /// What went wrong.
         first: Box<MotionError>,
         /// Why it was not stopped.
-        stop: DriverError,
+        stop: Box<DriverError>,
     },
 }
 
@@ -90,7 +90,7 @@ impl From<DriverError> for MotionError {
 
 impl From<Refusal> for MotionError {
     fn from(refusal: Refusal) -> Self {
-        Self::Refused(refusal)
+        Self::Refused(Box::new(refusal))
     }
 }
 
@@ -100,7 +100,10 @@ impl fmt::Display for MotionError {
             Self::Refused(refusal) => refusal.fmt(f),
             Self::NotAtStart { joint, actual, expected } => {
                 let unit = joint.kind.unit();
-                write!(f, "{joint} is at {actual:.6} {unit}; the moves were checked from {expected:.6} {unit}")
+                write!(
+                    f,
+                    "{joint} is at {actual:.6} {unit}; the moves were checked from {expected:.6} {unit}"
+                )
             }
             Self::OtherArm => f.write_str("the moves were checked for another arm"),
             Self::Driver(error) => error.fmt(f),
@@ -120,7 +123,10 @@ impl fmt::Display for MotionError {
             Self::NotArrived { joint, actual, goal, waited } => {
                 let unit = joint.kind.unit();
                 let waited = waited.as_secs_f64();
-                write!(f, "{joint} is at {actual:.6} {unit}, not at rest in {goal:.6} {unit}, {waited:.1} s later")
+                write!(
+                    f,
+                    "{joint} is at {actual:.6} {unit}, not at rest in {goal:.6} {unit}, {waited:.1} s later"
+                )
             }
             Self::Stopped => f.write_str("stopped on request"),
             Self::NotSafe { nearest: Some((pose, joint)), actual, expected } => {
@@ -143,7 +149,8 @@ impl std::error::Error for MotionError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Refused(refusal) => Some(refusal),
-            Self::Driver(error) | Self::FeedbackLost { last: error, .. } => Some(error),
+            Self::Driver(error) => Some(error),
+            Self::FeedbackLost { last, .. } => Some(last),
             Self::NotStopped { first, .. } => Some(first),
             _ => None,
         }

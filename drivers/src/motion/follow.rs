@@ -146,7 +146,8 @@ impl Walk<'_, '_> {
     }
 
     fn singular(&self, target: &Target, q: &[f64], index: usize, way: f64) -> Result<(), Refusal> {
-        let singular = |error: singular::Singular| Reason::Singular { value: error.value, least: error.least };
+        let singular =
+            |error: singular::Singular| Reason::Singular { value: error.value, least: error.least };
         singular::check(self.arm, self.problem, target, q)
             .map_err(|error| self.at(singular(error), index, way))
     }

@@ -273,7 +273,8 @@ mod tests {
 
     #[test]
     fn a_line_is_straight_and_turns_at_constant_speed() {
-        let (start, goal) = (pose([0.1, 0.2, 0.3], [0.1, 0.4, -2.0]), pose([0.4, -0.2, 0.3], [0.3, -0.1, 2.5]));
+        let (start, goal) =
+            (pose([0.1, 0.2, 0.3], [0.1, 0.4, -2.0]), pose([0.4, -0.2, 0.3], [0.3, -0.1, 2.5]));
         let path = Path::line(&start, &goal).unwrap();
         assert!((path.length() - 0.5).abs() < 1e-12);
         let whole = rotation_error(&frame(start).rotation, &frame(goal).rotation);

@@ -1,7 +1,9 @@
 //! The checker: from what is asked for to commands that may be sent.
 
+use super::checked::{Checked, Leg};
 use super::clearance;
 use super::command::Command;
+use super::course::Course;
 use super::dynamics::{Defaults, Dynamics};
 use super::follow::{self, joint_name, joints_along, nearest};
 use super::moves::{Goal, Move};
@@ -9,7 +11,6 @@ use super::narrowed::Narrowed;
 use super::path::{self, NoPath, Path};
 use super::profile::Profile;
 use super::refusal::{JointName, Reason, Refusal, Sample};
-use super::spline::Spline;
 use super::timing;
 use crate::driver::{JointMap, Pace};
 use dh_runtime::{Kinematics, Target};
@@ -58,111 +59,6 @@ impl fmt::Display for OtherArm {
 }
 
 impl std::error::Error for OtherArm {}
-
-/// Moves that were checked as a whole, to be run by a [`Robot`](super::Robot). Nothing else makes one but
-/// [`Planner::plan`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct Checked {
-    pub(super) legs: Vec<Leg>,
-}
-
-/// One move, from rest to rest.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Leg {
-    /// Where it begins (rad or m).
-    pub(super) start: Vec<f64>,
-    /// What is sent: setpoints, one a period, or goals. Never empty; the last is where it ends.
-    pub(super) commands: Vec<Command>,
-    /// When each command is due (s after the start of the leg); of a goal, when it should be reached.
-    pub(super) times: Vec<f64>,
-}
-
-impl Leg {
-    /// Where it ends (rad or m).
-    pub(super) fn goal(&self) -> &[f64] {
-        self.commands.last().map_or(&self.start, Command::positions)
-    }
-
-    /// The place so many setpoints after the first, in a straight line between two of them, and what the velocity is
-    /// there at this part of the speed of the whole. What lies between setpoints was checked with them.
-    pub(super) fn between(&self, place: f64, rate: f64) -> Command {
-        let last = self.commands.len().saturating_sub(1);
-        let index = (place.max(0.0) as usize).min(last);
-        let (Some(before), Some(after)) = (self.commands.get(index), self.commands.get((index + 1).min(last)))
-        else {
-            return Command::new(0, Vec::new(), Vec::new());
-        };
-        let part = (place - index as f64).clamp(0.0, 1.0);
-        let blend = |from: &[f64], to: &[f64]| -> Vec<f64> {
-            from.iter().zip(to).map(|(from, to)| from + part * (to - from)).collect()
-        };
-        let mut velocities = blend(before.velocities(), after.velocities());
-        velocities.iter_mut().for_each(|velocity| *velocity *= rate);
-        Command::new(before.fingerprint(), blend(before.positions(), after.positions()), velocities)
-    }
-
-    fn duration(&self) -> f64 {
-        self.times.last().copied().unwrap_or(0.0)
-    }
-}
-
-impl Checked {
-    /// How many moves there are.
-    pub fn moves(&self) -> usize {
-        self.legs.len()
-    }
-
-    /// Where a move ends (rad or m).
-    pub fn goal(&self, index: usize) -> Option<&[f64]> {
-        self.legs.get(index).map(Leg::goal)
-    }
-
-    /// Where the whole begins (rad or m).
-    pub fn start(&self) -> Option<&[f64]> {
-        self.legs.first().map(|leg| leg.start.as_slice())
-    }
-
-    /// What is sent for a move: positions and velocities of each command with its time after the move's start.
-    pub fn commands(&self, index: usize) -> impl Iterator<Item = (f64, &Command)> {
-        let leg = self.legs.get(index);
-        leg.into_iter().flat_map(|leg| leg.times.iter().copied().zip(&leg.commands))
-    }
-
-    /// How long it takes (s), without the time that the arm needs to come to rest after each move. What a device with
-    /// profiles of its own takes is an estimate.
-    pub fn duration(&self) -> f64 {
-        self.legs.iter().map(Leg::duration).sum()
-    }
-}
-
-/// Joints over time.
-enum Course {
-    /// All joints at once.
-    Joints(Profile),
-    /// Along a path: the way over time, and the joints by the way.
-    Path { timing: Profile, joints: Spline },
-}
-
-impl Course {
-    fn duration(&self) -> f64 {
-        match self {
-            Course::Joints(profile) | Course::Path { timing: profile, .. } => profile.duration(),
-        }
-    }
-
-    fn at(&self, time: f64) -> (Vec<f64>, Vec<f64>) {
-        match self {
-            Course::Joints(profile) => profile.at(time),
-            Course::Path { timing, joints } => {
-                let (way, speed) = timing.at(time);
-                let (way, speed) =
-                    (way.first().copied().unwrap_or(0.0), speed.first().copied().unwrap_or(0.0));
-                let at = joints.at(way);
-                (at.value, at.first.iter().map(|slope| slope * speed).collect())
-            }
-        }
-    }
-}
 
 impl<'k> Planner<'k> {
     /// For an arm that this device moves: within the table's limits and what the servos leave of them.
@@ -236,8 +132,7 @@ impl<'k> Planner<'k> {
 
     /// How the joints move, and the places (times, s) that a device is sent to that makes profiles of its own.
     fn course(&self, start: &[f64], asked: &Move, step: usize) -> Result<(Course, Vec<f64>), Refusal> {
-        let dynamics: Vec<Dynamics> =
-            self.dynamics.iter().map(|limits| limits.slowed(asked.part)).collect();
+        let dynamics: Vec<Dynamics> = self.dynamics.iter().map(|limits| limits.slowed(asked.part)).collect();
         let to = |goal: &[f64]| {
             let end = Sample { index: 1, count: 2, part: 1.0 };
             self.allowed(goal).map_err(|reason| reason.at(step, end))?;
@@ -323,13 +218,14 @@ impl<'k> Planner<'k> {
             let mut here = before.clone();
             for piece in 1..=pieces {
                 let part = piece as f64 / pieces as f64;
-                let next = before.iter().zip(&positions).map(|(from, to)| from + part * (to - from)).collect();
+                let next =
+                    before.iter().zip(&positions).map(|(from, to)| from + part * (to - from)).collect();
                 let refused = |reason: Reason| reason.at(step, sample(part));
                 let next = self.on_the_way(next).map_err(refused)?;
                 clearance::check(&self.arm, &here, &next).map_err(Reason::Forbidden).map_err(refused)?;
                 here = next;
             }
-            let velocities = fastest(course, then, *time, before.iter().zip(&positions));
+            let velocities = course.fastest(then, *time, before.iter().zip(&positions));
             before.clone_from(&positions);
             then = *time;
             leg.commands.push(Command::new(self.arm.fingerprint(), positions, velocities));
@@ -391,10 +287,10 @@ impl<'k> Planner<'k> {
     fn allowed(&self, q: &[f64]) -> Result<(), Reason> {
         match self.arm.check(q) {
             Ok(()) => Ok(()),
-            Err(violations) => Err(violations.iter().next().map_or_else(
-                || Reason::Setting { what: "a joint value", value: f64::NAN },
-                Reason::from,
-            )),
+            Err(violations) => Err(violations
+                .iter()
+                .next()
+                .map_or_else(|| Reason::Setting { what: "a joint value", value: f64::NAN }, Reason::from)),
         }
     }
 
@@ -442,24 +338,4 @@ impl<'k> Planner<'k> {
     pub(super) fn joint_name(&self, index: usize) -> JointName {
         joint_name(&self.arm, index)
     }
-}
-
-/// How fast each joint goes at most between two times (s); 0 where it ends where it began.
-fn fastest<'a>(
-    course: &Course,
-    from: f64,
-    to: f64,
-    ends: impl Iterator<Item = (&'a f64, &'a f64)>,
-) -> Vec<f64> {
-    let looks = ((to - from) / CHECK_PERIOD).ceil().max(8.0) as usize;
-    let mut fastest: Vec<f64> = ends.map(|(start, end)| if start == end { f64::NAN } else { 0.0 }).collect();
-    for look in 0..=looks {
-        let (_, velocities) = course.at(from + (to - from) * look as f64 / looks as f64);
-        for (fastest, velocity) in fastest.iter_mut().zip(velocities) {
-            if velocity.abs() > *fastest {
-                *fastest = velocity.abs();
-            }
-        }
-    }
-    fastest.into_iter().map(|velocity| if velocity.is_nan() { 0.0 } else { velocity }).collect()
 }

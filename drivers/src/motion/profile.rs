@@ -87,8 +87,8 @@ impl Profile {
 
     /// When the first joint's jerk changes (s), ascending; its start and end included.
     pub(super) fn phases(&self) -> Vec<f64> {
-        let profiles = self.trajectory.iter().flat_map(Trajectory::get_profiles);
-        let first = profiles.filter_map(|section| section.first()).next();
+        let mut sections = self.trajectory.iter().flat_map(Trajectory::get_profiles);
+        let first = sections.find_map(|section| section.first());
         let changes = first.into_iter().flat_map(|profile| profile.t_sum);
         let inside = changes.filter(|time| 0.0 < *time && *time < self.duration);
         [0.0].into_iter().chain(inside).chain([self.duration]).collect()

@@ -3,10 +3,11 @@
 mod feedback;
 mod run;
 
+use super::checked::Checked;
 use super::dynamics::Defaults;
 use super::error::MotionError;
 use super::moves::Move;
-use super::planner::{Checked, OtherArm, Planner};
+use super::planner::{OtherArm, Planner};
 use super::refusal::{JointName, Refusal};
 use super::settings::{Settings, Tolerance};
 use crate::driver::{Driver, DriverError, State};

@@ -31,7 +31,8 @@ pub(super) fn check(arm: &Narrowed<'_>, problem: &str, target: &Target, q: &[f64
     if arm.jacobian_into(q, &mut columns).is_err() {
         return Ok(());
     }
-    let lever = columns.iter().map(|[x, y, z, ..]| (x * x + y * y + z * z).sqrt()).fold(LEAST_LEVER, f64::max);
+    let lever =
+        columns.iter().map(|[x, y, z, ..]| (x * x + y * y + z * z).sqrt()).fold(LEAST_LEVER, f64::max);
     let least = LEAST_PART * lever;
     let value = if matches!(target, Target::Pose(_)) {
         of_columns(&columns, lever)

@@ -183,9 +183,9 @@ mod tests {
             let knots: Vec<f64> = (0..=count).map(|i| f64::from(i) / f64::from(count)).collect();
             let values = knots.iter().map(|x| vec![(4.0 * x).exp()]).collect();
             let spline = Spline::through(knots, values).unwrap();
-            (0..1000).map(|i| f64::from(i) / 999.0).fold(0.0, |worst: f64, x| {
-                worst.max((spline.at(x).value[0] - (4.0 * x).exp()).abs())
-            })
+            (0..1000)
+                .map(|i| f64::from(i) / 999.0)
+                .fold(0.0, |worst: f64, x| worst.max((spline.at(x).value[0] - (4.0 * x).exp()).abs()))
         };
         let ratio = error(20) / error(40);
         assert!(ratio > 12.0, "{ratio}");

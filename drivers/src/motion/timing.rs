@@ -132,5 +132,6 @@ fn too_fast(arm: &Narrowed<'_>, dynamics: &[Dynamics], slopes: &Slopes, speed: f
     let sample = Sample { index, count, part: if slopes.length > 0.0 { way / slopes.length } else { 1.0 } };
     let allowed = dynamics.get(joint).map_or(f64::NAN, |limits| limits.velocity);
     let joint = joint_name(arm, joint);
-    Reason::TooFast { joint, needed: slope * speed, allowed, speed, possible: slopes.velocity }.at(step, sample)
+    Reason::TooFast { joint, needed: slope * speed, allowed, speed, possible: slopes.velocity }
+        .at(step, sample)
 }

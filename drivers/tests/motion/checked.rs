@@ -38,7 +38,11 @@ fn assert_kept(arm: &dyn Kinematics, checked: &Checked, dynamics: &[Dynamics]) {
         for (time, command) in checked.commands(step) {
             let here = command.positions();
             let (then, from) = before.unwrap_or_else(|| {
-                (0.0, if step == 0 { checked.start().unwrap() } else { checked.goal(step - 1).unwrap() }.to_vec())
+                (
+                    0.0,
+                    if step == 0 { checked.start().unwrap() } else { checked.goal(step - 1).unwrap() }
+                        .to_vec(),
+                )
             });
             for (joint, (from, to)) in from.iter().zip(here).enumerate() {
                 let limit = dynamics[joint].velocity;
@@ -180,7 +184,8 @@ fn a_wall_that_is_thinner_than_a_step_is_seen() {
     let planner = planner(&Cell, every(20));
     let inverse = |point: [f64; 3]| {
         let mut solutions = dh_runtime::SolutionSet::new();
-        Cell.ik_within("position", &Target::Position(point), Some(&[0.0, 1.0, -1.0]), &mut solutions).unwrap();
+        Cell.ik_within("position", &Target::Position(point), Some(&[0.0, 1.0, -1.0]), &mut solutions)
+            .unwrap();
         solutions.nearest(&[0.0, 1.0, -1.0]).unwrap().q.to_vec()
     };
     let (start, goal) = (inverse([0.15, -0.3, 0.3]), inverse([0.25, -0.3, 0.3]));
@@ -195,7 +200,10 @@ fn a_wall_that_is_thinner_than_a_step_is_seen() {
 fn a_line_on_the_very_floor_is_allowed() {
     let planner = planner(&Cell, every(10));
     let at = |x, y| Target::Position([x, y, 0.05]);
-    let above = planner.plan(&[0.5, 1.0, -2.0], &[Move::nearest("position", at(0.3, 0.2)), Move::line("position", at(0.3, 0.3))]);
+    let above = planner.plan(
+        &[0.5, 1.0, -2.0],
+        &[Move::nearest("position", at(0.3, 0.2)), Move::line("position", at(0.3, 0.3))],
+    );
     assert_kept(&Cell, &above.unwrap(), planner.dynamics());
 }
 
@@ -221,15 +229,14 @@ fn a_line_past_the_base_axis_would_turn_the_joint_too_fast() {
     let start = {
         let mut solutions = dh_runtime::SolutionSet::new();
         let elbow_up = [0.0, 2.2, -1.5];
-        Cell.ik_within("position", &Target::Position([0.1, 1e-5, 0.7]), Some(&elbow_up), &mut solutions).unwrap();
+        Cell.ik_within("position", &Target::Position([0.1, 1e-5, 0.7]), Some(&elbow_up), &mut solutions)
+            .unwrap();
         solutions.nearest(&elbow_up).unwrap().q.to_vec()
     };
     let line = Move::line("position", Target::Position([-0.1, 1e-5, 0.7]));
     let refused = refusal(&Cell, &start, line);
-    let near = matches!(
-        refused.reason,
-        Reason::Singular { .. } | Reason::TooFast { .. } | Reason::Jump { .. }
-    );
+    let near =
+        matches!(refused.reason, Reason::Singular { .. } | Reason::TooFast { .. } | Reason::Jump { .. });
     assert!(near && (refused.sample.unwrap().part - 0.5).abs() < 0.05, "{refused}");
 }
 
@@ -238,7 +245,8 @@ fn a_line_on_which_the_arm_would_have_to_flip_jumps() {
     // With the elbow up only, a line on which joint 1 meets its limit has no other way to go on.
     let start = [2.9, 1.3, -1.8];
     let here = Kinematics::fk(&Cell, &start).unwrap().translation;
-    let refused = refusal(&Cell, &start, Move::line("position", Target::Position([here[0], -here[1], here[2]])));
+    let refused =
+        refusal(&Cell, &start, Move::line("position", Target::Position([here[0], -here[1], here[2]])));
     let Reason::OutsideLimits { joint, value, max, .. } = &refused.reason else { panic!("{refused}") };
     assert!(joint.index == 0 && value > max, "{refused}");
 }
@@ -256,7 +264,8 @@ fn a_path_starts_where_the_problem_has_the_arm() {
 fn a_speed_that_the_joints_cannot_follow_is_refused_with_the_one_that_they_can() {
     let start = [0.4, 1.2];
     let line = |speed: f64| Move::line("xy", Target::Xy([0.12, 0.18])).speed(speed);
-    let Reason::TooFast { needed, allowed, speed, possible, .. } = refusal(&Planar, &start, line(1.0)).reason else {
+    let Reason::TooFast { needed, allowed, speed, possible, .. } = refusal(&Planar, &start, line(1.0)).reason
+    else {
         panic!()
     };
     assert!(speed == 1.0 && needed > allowed && allowed == 1.0);

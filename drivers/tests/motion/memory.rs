@@ -134,7 +134,7 @@ impl Memory {
 }
 
 impl Driver for Memory {
-    fn name(&self) -> &str {
+    fn name(&self) -> &'static str {
         "memory"
     }
 
@@ -160,7 +160,9 @@ impl Driver for Memory {
         let joints = arm.motors.iter_mut().enumerate().map(|(index, motor)| JointState {
             position: motor.position,
             velocity: Some(motor.velocity),
-            fault: fault.filter(|(from, joint, _)| *from <= now && *joint == index).map(|(_, _, fault)| fault),
+            fault: fault
+                .filter(|(from, joint, _)| *from <= now && *joint == index)
+                .map(|(_, _, fault)| fault),
             ..JointState::default()
         });
         Ok(State { stamp: now, joints: joints.collect(), fault: None })

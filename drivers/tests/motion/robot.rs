@@ -4,7 +4,7 @@ use super::memory::{Memory, STREAM};
 use super::{Crane, MyCobot, Planar};
 use dh_drivers::clock::{Clock, Time};
 use dh_drivers::driver::{Fault, Pace};
-use dh_drivers::motion::{Move, MotionError, Reason, Robot};
+use dh_drivers::motion::{MotionError, Move, Reason, Robot};
 use dh_runtime::{Kinematics, Target};
 use std::time::Duration;
 
@@ -61,7 +61,8 @@ fn a_table_s_problem_is_solved_and_followed_in_a_line() {
             ])
             .unwrap();
         let tool = Kinematics::fk(&MyCobot, &arm.lock().unwrap().positions()).unwrap();
-        let off = tool.translation.iter().zip([0.13, 0.1, 0.15]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let off =
+            tool.translation.iter().zip([0.13, 0.1, 0.15]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(off < 2e-4, "{pace:?}: {off}");
         assert!((tool.z_axis()[2] + 1.0).abs() < 1e-6);
     }

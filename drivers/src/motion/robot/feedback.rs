@@ -51,7 +51,7 @@ impl<D: Driver> Robot<'_, D> {
             Err(last) => {
                 let lost = self.now().since(self.state.stamp);
                 if lost >= self.settings.feedback {
-                    return Err(MotionError::FeedbackLost { lost, last });
+                    return Err(MotionError::FeedbackLost { lost, last: Box::new(last) });
                 }
                 return Ok(());
             }
@@ -79,8 +79,8 @@ impl<D: Driver> Robot<'_, D> {
             let (min, max) = trail.range(index);
             let (actual, tolerance) = (seen.position, self.settings.following.of(joint.kind));
             let off = (min - actual).max(actual - max);
-            // Written so that what is no number has strayed.
-            let strayed = !(off <= tolerance);
+            // What is no number has strayed.
+            let strayed = off.is_nan() || off > tolerance;
             if strayed && worst.as_ref().is_none_or(|(most, _)| off / tolerance > *most) {
                 let joint = self.joint_name(index);
                 worst = Some((off / tolerance, MotionError::Strayed { joint, actual, min, max, tolerance }));
@@ -98,7 +98,8 @@ impl<D: Driver> Robot<'_, D> {
                 (Some(velocity), _) => velocity.abs() <= least,
                 (None, Some(before)) => {
                     let seconds = self.state.stamp.since(before.stamp).as_secs_f64();
-                    let moved = before.joints.get(index).map(|before| (seen.position - before.position).abs());
+                    let moved =
+                        before.joints.get(index).map(|before| (seen.position - before.position).abs());
                     seconds > 0.0 && moved.is_some_and(|moved| moved <= least * seconds)
                 }
                 (None, None) => false,
@@ -157,7 +158,7 @@ impl<D: Driver> Robot<'_, D> {
                 Err(last) => {
                     let lost = self.now().since(self.state.stamp);
                     if lost >= self.settings.feedback {
-                        return Err(MotionError::FeedbackLost { lost, last });
+                        return Err(MotionError::FeedbackLost { lost, last: Box::new(last) });
                     }
                 }
             }

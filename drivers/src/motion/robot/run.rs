@@ -3,9 +3,9 @@
 use super::feedback::Trail;
 use super::{Progress, Robot};
 use crate::driver::{Driver, Pace, State};
+use crate::motion::checked::{Checked, Leg};
 use crate::motion::command::Command;
 use crate::motion::error::MotionError;
-use crate::motion::planner::{Checked, Leg};
 use std::time::Duration;
 
 /// So near to a goal on the way, the next one is sent (as a part of the tolerance for having strayed).
@@ -24,7 +24,11 @@ impl<D: Driver> Robot<'_, D> {
     /// # Errors
     /// [`MotionError::NotAtStart`] where the arm is not where they begin, before anything moves. Later, what stops the
     /// arm on its way: it was told to stop then, and holds.
-    pub fn run(&mut self, checked: &Checked, watch: &mut dyn FnMut(&Progress<'_>)) -> Result<(), MotionError> {
+    pub fn run(
+        &mut self,
+        checked: &Checked,
+        watch: &mut dyn FnMut(&Progress<'_>),
+    ) -> Result<(), MotionError> {
         if self.stop.is_set() {
             return Err(MotionError::Stopped);
         }
@@ -50,13 +54,12 @@ impl<D: Driver> Robot<'_, D> {
         self.under_way = true;
         let outcome = self.legs(checked, watch);
         let outcome = outcome.or_else(|error| self.after(error));
-        if !self.under_way {
-            // At rest there is nothing to stop, and whoever comes next need not talk all the time.
-            let disarmed = self.driver.watchdog(None);
-            outcome.and(disarmed.map(|_| ()).map_err(MotionError::Driver))
-        } else {
-            outcome
+        if self.under_way {
+            return outcome;
         }
+        // At rest there is nothing to stop, and whoever comes next need not talk all the time.
+        let disarmed = self.driver.watchdog(None);
+        outcome.and(disarmed.map(|_| ()).map_err(MotionError::Driver))
     }
 
     fn legs(&mut self, checked: &Checked, watch: &mut dyn FnMut(&Progress<'_>)) -> Result<(), MotionError> {
@@ -216,7 +219,7 @@ impl<D: Driver> Robot<'_, D> {
                 let _ = self.wait_for_rest();
                 Err(error)
             }
-            Err(stop) => Err(MotionError::NotStopped { first: Box::new(error), stop }),
+            Err(stop) => Err(MotionError::NotStopped { first: Box::new(error), stop: Box::new(stop) }),
         }
     }
 }
