@@ -45,6 +45,16 @@ impl Dynamics {
         Self { velocity, acceleration, jerk }
     }
 
+    /// No more velocity and acceleration than these, where there are any.
+    pub(super) fn capped(self, (velocity, acceleration): (Option<f64>, Option<f64>)) -> Self {
+        let cap = |value: f64, cap: Option<f64>| cap.map_or(value, |cap| value.min(cap));
+        Self {
+            velocity: cap(self.velocity, velocity),
+            acceleration: cap(self.acceleration, acceleration),
+            ..self
+        }
+    }
+
     /// The limits of the same motion, slower: at this part of its velocity.
     pub(super) fn slowed(self, part: f64) -> Self {
         Self {

@@ -1,10 +1,9 @@
 //! An arm with the limits that motion may use.
 
-use dh_runtime::{
-    Frame, IkError, Joint, Kinematics, LengthError, Limits, ProblemInfo, Rules, SolutionSet, Target,
-};
+use crate::driver::DeviceJoint;
+use dh_runtime::{Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Rules, SolutionSet, Target};
 
-/// The same arm with other limits of its joints: those of the table and what its servos leave of them. Inverse
+/// The same arm with other limits of its joints: those of the table and what its device leaves of them. Inverse
 /// problems and checks then keep to both.
 #[derive(Clone)]
 pub(super) struct Narrowed<'k> {
@@ -13,10 +12,12 @@ pub(super) struct Narrowed<'k> {
 }
 
 impl<'k> Narrowed<'k> {
-    /// With these limits (rad or m), one a joint.
-    pub(super) fn new(arm: &'k dyn Kinematics, limits: impl Iterator<Item = Option<Limits>>) -> Self {
-        let joints = arm.joints().iter().zip(limits).map(|(joint, limits)| Joint { limits, ..*joint });
-        Self { arm, joints: joints.collect() }
+    /// With the limits of these joints, one a joint of the arm.
+    pub(super) fn new(arm: &'k dyn Kinematics, device: &[DeviceJoint]) -> Self {
+        let joints = arm.joints().iter().zip(device);
+        let narrowed =
+            |(joint, device): (&Joint<'k>, &DeviceJoint)| Joint { limits: device.limits(), ..*joint };
+        Self { arm, joints: joints.map(narrowed).collect() }
     }
 }
 

@@ -35,6 +35,8 @@ const GOAL_ROTATION: f64 = 1e-2;
 #[derive(Debug, Clone)]
 pub struct Planner<'k> {
     arm: Narrowed<'k>,
+    /// Greatest velocity and acceleration of each joint that the device can do.
+    caps: Vec<(Option<f64>, Option<f64>)>,
     dynamics: Vec<Dynamics>,
     pace: Pace,
 }
@@ -70,9 +72,9 @@ impl<'k> Planner<'k> {
         if ours != theirs {
             return Err(OtherArm { arm: ours, driver: theirs });
         }
-        let limits = joints.joints.iter().map(crate::driver::DeviceJoint::limits);
-        let arm = Narrowed::new(arm, limits);
-        Ok(Self { arm, dynamics: Vec::new(), pace }.with_defaults(&Defaults::default()))
+        let caps = joints.joints.iter().map(|joint| (joint.max_velocity, joint.max_acceleration));
+        let (arm, caps) = (Narrowed::new(arm, &joints.joints), caps.collect());
+        Ok(Self { arm, caps, dynamics: Vec::new(), pace }.with_defaults(&Defaults::default()))
     }
 
     /// With other limits of velocity, acceleration and jerk where the table has none.
@@ -82,7 +84,9 @@ impl<'k> Planner<'k> {
     }
 
     pub(super) fn set_defaults(&mut self, defaults: &Defaults) {
-        self.dynamics = self.arm.joints().iter().map(|joint| Dynamics::of_joint(joint, defaults)).collect();
+        let joints = self.arm.joints().iter().zip(&self.caps);
+        let dynamics = joints.map(|(joint, caps)| Dynamics::of_joint(joint, defaults).capped(*caps));
+        self.dynamics = dynamics.collect();
     }
 
     /// The arm, with the limits that motion keeps.

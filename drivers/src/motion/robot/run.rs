@@ -213,6 +213,8 @@ impl<D: Driver> Robot<'_, D> {
             return Err(error);
         }
         self.held = None;
+        // A device that was away, or that gave up by itself, wants torque to be switched on anew.
+        self.torque = false;
         match self.driver.stop() {
             Ok(()) => {
                 // Where nothing is heard of the arm, it was told to stop at least; dropping the robot tells it again.
