@@ -20,6 +20,7 @@
 
 pub mod clock;
 pub mod driver;
+pub mod dynamixel;
 pub mod motion;
 pub mod port;
 pub mod simulate;
