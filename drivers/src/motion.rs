@@ -1,0 +1,5 @@
+//! From goals to commands: checks, profiles and moves.
+
+mod command;
+
+pub use command::Command;
