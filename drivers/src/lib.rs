@@ -20,8 +20,11 @@
 pub mod clock;
 pub mod driver;
 pub mod motion;
+pub mod mycobot;
 pub mod port;
 pub mod simulate;
+mod wheels;
 
 pub use driver::{Driver, DriverError};
 pub use motion::Command;
+pub use wheels::wheel_speeds;

@@ -1,7 +1,9 @@
 //! The vectors recorded from the maker's client (pymycobot 4.0.7): each is reproduced byte for byte, or the difference
 //! is named here with its reason. A vector that is neither fails.
 
-use dh_drivers::mycobot::{BadReply, Command, CoordinateMode, FrameReader, GripperKind, GripperState, Reply, Request};
+use dh_drivers::mycobot::{
+    BadReply, Command, CoordinateMode, FrameReader, GripperKind, GripperState, Reply, Request,
+};
 use serde_json::Value;
 
 const VECTORS: &str = include_str!("golden/mycobot.json");
@@ -213,7 +215,9 @@ fn what_the_client_refuses_is_refused_and_what_it_lets_pass_by_mistake() {
     // The older class does not look at coordinates.
     let vectors = vectors();
     let far = vectors.iter().find(|vector| vector.label == "send_coords out of 280 reach").unwrap();
-    assert!(matches!(ours(far), Call::Refused(reason) if reason.contains("x takes -281.45 to 281.45 mm, not 349")));
+    assert!(
+        matches!(ours(far), Call::Refused(reason) if reason.contains("x takes -281.45 to 281.45 mm, not 349"))
+    );
 }
 
 /// What we make of replies that the client cannot read, or reads wrongly.

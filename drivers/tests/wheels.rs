@@ -1,5 +1,7 @@
 //! The joystick's published cases.
 
+#![allow(clippy::unwrap_used, reason = "a broken case is a broken test")]
+
 use dh_drivers::wheel_speeds;
 use serde_json::Value;
 
@@ -19,6 +21,9 @@ fn wheel_speeds_are_the_published_ones() {
         }
         let r = stick[0].hypot(stick[1]);
         let [left, right] = wheel_speeds(stick, 2.5);
-        assert!((left.hypot(right) - 2.5 * r).abs() < 1e-15, "turning the stick's direction keeps its length");
+        assert!(
+            (left.hypot(right) - 2.5 * r).abs() < 1e-15,
+            "turning the stick's direction keeps its length"
+        );
     }
 }

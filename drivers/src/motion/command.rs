@@ -21,7 +21,6 @@ impl Command {
 
     /// Unchecked, for tests of drivers within this crate.
     #[cfg(test)]
-    #[expect(dead_code, reason = "there is no driver yet")]
     pub(crate) fn for_test(fingerprint: u64, positions: Vec<f64>, velocities: Vec<f64>) -> Self {
         Self::new(fingerprint, positions, velocities)
     }

@@ -154,7 +154,9 @@ mod tests {
 
     #[test]
     fn garbage_and_a_header_too_many_cost_no_frame() {
-        for garbage in [&b"\x00\x11\xaa\x55"[..], b"\xfe", b"\xfe\xfe", b"\xfe\xfe\xff", b"\xfe\xfe\x03\x22\x01\x00"] {
+        for garbage in
+            [&b"\x00\x11\xaa\x55"[..], b"\xfe", b"\xfe\xfe", b"\xfe\xfe\xff", b"\xfe\xfe\x03\x22\x01\x00"]
+        {
             let (frames, reader) = read(&[garbage, ANGLES]);
             assert_eq!(frames.len(), 1, "{garbage:02x?}");
             assert_eq!(frames[0].encode(), ANGLES);

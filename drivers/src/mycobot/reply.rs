@@ -28,8 +28,6 @@ pub enum BadReply {
         /// The payload.
         payload: Vec<u8>,
     },
-    /// It is the request itself, looped back.
-    Echo,
 }
 
 impl fmt::Display for BadReply {
@@ -43,7 +41,6 @@ impl fmt::Display for BadReply {
                 write!(f, "the reply holds {found} bytes, where it has {expected:?}")
             }
             Self::Value { expected, payload } => write!(f, "the reply is {payload:02x?}, not {expected}"),
-            Self::Echo => f.write_str("the request came back: the line echoes"),
         }
     }
 }
@@ -231,8 +228,32 @@ impl ArmError {
     /// The code.
     pub fn code(self) -> u8 {
         match self {
-            Self::Limit(code) | Self::Collision(code) | Self::NoAdjacentSolution(code) | Self::Other(code) => code,
+            Self::Limit(code)
+            | Self::Collision(code)
+            | Self::NoAdjacentSolution(code)
+            | Self::Other(code) => code,
             Self::NoSolution => 32,
+        }
+    }
+}
+
+impl ArmError {
+    /// The index of the joint that it is of.
+    pub fn joint(self) -> Option<usize> {
+        match self {
+            Self::Limit(joint) => usize::from(joint).checked_sub(1),
+            _ => None,
+        }
+    }
+
+    /// What it means, in words.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Limit(_) => "beyond its limit",
+            Self::Collision(_) => "collision protection",
+            Self::NoSolution => "no joint angles for these coordinates",
+            Self::NoAdjacentSolution(_) => "no joint angles near enough for a straight line",
+            Self::Other(_) => "a code that the maker does not explain",
         }
     }
 }
@@ -240,13 +261,8 @@ impl ArmError {
 impl fmt::Display for ArmError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Limit(joint) => write!(f, "joint {joint} is beyond its limit"),
-            Self::Collision(code) => write!(f, "collision protection (code {code})"),
-            Self::NoSolution => f.write_str("no joint angles for these coordinates (code 32)"),
-            Self::NoAdjacentSolution(code) => {
-                write!(f, "no joint angles near enough for a straight line (code {code})")
-            }
-            Self::Other(code) => write!(f, "code {code}, which the maker does not explain"),
+            Self::Limit(joint) => write!(f, "joint {joint} is {}", self.meaning()),
+            _ => write!(f, "{} ({})", self.meaning(), self.code()),
         }
     }
 }

@@ -77,11 +77,7 @@ impl Request {
     ///
     /// # Errors
     /// The first coordinate that the arm does not take, or the speed.
-    pub fn send_coords(
-        coords: &[f64; 6],
-        speed: u8,
-        mode: Option<CoordinateMode>,
-    ) -> Result<Self, Refusal> {
+    pub fn send_coords(coords: &[f64; 6], speed: u8, mode: Option<CoordinateMode>) -> Result<Self, Refusal> {
         let mut payload = encode_coordinates(coords)?;
         payload.push(moving_speed(speed)?);
         payload.extend(mode.map(|mode| u8::from(mode == CoordinateMode::Linear)));
@@ -158,10 +154,7 @@ impl Request {
 
     /// Torque off all joints. Undamped, the arm falls at once.
     pub fn release_all(undamped: bool) -> Self {
-        Self {
-            command: Command::ReleaseAllServos,
-            payload: if undamped { vec![1] } else { Vec::new() },
-        }
+        Self { command: Command::ReleaseAllServos, payload: if undamped { vec![1] } else { Vec::new() } }
     }
 
     /// A limit of a joint (deg, sent in tenths): [`Command::SetJointMin`] or [`Command::SetJointMax`].
