@@ -22,9 +22,12 @@ pub mod clock;
 pub mod driver;
 pub mod dynamixel;
 pub mod motion;
+pub mod mycobot;
 pub mod port;
 pub mod simulate;
 pub mod unit;
+mod wheels;
 
 pub use driver::{Driver, DriverError};
 pub use motion::Command;
+pub use wheels::wheel_speeds;
