@@ -34,7 +34,7 @@ fn map() -> JointMap {
 /// A driver, and what it drives.
 struct Bench {
     clock: Arc<VirtualClock>,
-    device: Arc<Mutex<Faulty<SimulatedBus>>>,
+    device: Shared,
     arm: Arm,
 }
 
@@ -43,9 +43,9 @@ fn device() -> Faulty<SimulatedBus> {
     Faulty::new(SimulatedBus::new([servo(1, 0), servo(7, 2)]), Faults::default(), 1)
 }
 
-fn connect(
-    device: Faulty<SimulatedBus>,
-) -> (Arc<VirtualClock>, Arc<Mutex<Faulty<SimulatedBus>>>, Result<Arm, Cause>) {
+type Shared = Arc<Mutex<Faulty<SimulatedBus>>>;
+
+fn connect(device: Faulty<SimulatedBus>) -> (Arc<VirtualClock>, Shared, Result<Arm, Cause>) {
     let clock = Arc::new(VirtualClock::new());
     let device = Arc::new(Mutex::new(device));
     let port = SimulatedPort::new(device.clone(), clock.clone());
