@@ -1,5 +1,7 @@
 //! What is read of the arm, and whether it can be believed.
 
+use std::time::Duration;
+
 use super::command::Command as C;
 use super::link::Link;
 use super::refusal::ANGLES;
@@ -17,6 +19,8 @@ const MOVING: f64 = 1.0;
 /// How far two readings of the coordinates may be apart, of an arm on its way too (mm, deg).
 const ALIKE_LENGTH: f64 = 30.0;
 const ALIKE_ANGLE: f64 = 15.0;
+/// Two readings that took longer than this say little of a moving joint: another is taken, as long as there are any.
+const PAIR: Duration = Duration::from_millis(150);
 /// How many readings are taken at most until two agree.
 const READINGS: usize = 5;
 /// Two states further apart than this tell no velocity (s).
@@ -81,11 +85,15 @@ impl Readings {
         let mut moved = link.ask(&request, Reply::flag)?;
         let mut first = Self::reading(link, joints)?;
         let mut apart = Apart { joint: 0, first: 0.0, second: 0.0 };
-        for _ in 1..READINGS {
+        for attempt in 1..READINGS {
             let second = Self::reading(link, joints)?;
             // That it rests is said twice.
             let moves = link.ask(&request, Reply::flag)?;
             let moving = moved || moves;
+            if attempt + 1 < READINGS && second.answered.since(first.asked) > PAIR {
+                (first, moved) = (second, moves);
+                continue;
+            }
             let (speed, slack) = match (holding, moving) {
                 (false, _) => (1.0, MOVING),
                 (true, true) => (self.speed, MOVING),
