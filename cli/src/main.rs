@@ -5,6 +5,7 @@
 
 mod check;
 mod check_pose;
+mod device;
 mod equations;
 mod explain;
 mod failure;
@@ -16,6 +17,7 @@ mod json;
 mod list;
 mod robot;
 mod rule;
+mod sim;
 mod stream;
 mod text;
 mod units;
@@ -55,6 +57,7 @@ enum Command {
     Jacobian(jacobian::Arguments),
     Ik(Box<ik::Arguments>),
     CheckPose(check_pose::Arguments),
+    Sim(sim::Arguments),
     Explain(explain::Arguments),
 }
 
@@ -68,6 +71,7 @@ impl Command {
             Command::Jacobian(arguments) => jacobian::run(arguments, out),
             Command::Ik(arguments) => ik::run(arguments, out),
             Command::CheckPose(arguments) => check_pose::run(arguments, out),
+            Command::Sim(arguments) => sim::run(arguments, out),
             Command::Explain(arguments) => explain::run(arguments, out),
         }
     }
@@ -79,7 +83,11 @@ impl Command {
             Command::Jacobian(arguments) => arguments.json,
             Command::Ik(arguments) => arguments.json,
             Command::CheckPose(arguments) => arguments.json,
-            Command::Check(_) | Command::Equations(_) | Command::Generate(_) | Command::Explain(_) => false,
+            Command::Check(_)
+            | Command::Equations(_)
+            | Command::Generate(_)
+            | Command::Sim(_)
+            | Command::Explain(_) => false,
         }
     }
 }

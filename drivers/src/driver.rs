@@ -1,5 +1,6 @@
 //! What motion knows of a device.
 
+mod device;
 mod error;
 mod joint;
 
@@ -9,6 +10,7 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
+pub use device::{DeviceError, DeviceKind, DeviceSettings};
 pub use error::{Cause, DriverError, Fault};
 pub use joint::{DeviceJoint, JointMap, MapError};
 

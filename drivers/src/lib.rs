@@ -19,6 +19,7 @@
 
 pub mod clock;
 pub mod driver;
+pub mod dynamixel;
 pub mod motion;
 pub mod mycobot;
 pub mod port;
