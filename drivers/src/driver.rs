@@ -142,3 +142,34 @@ pub trait Driver: fmt::Debug + Send {
     /// [`DriverError`]
     fn watchdog(&mut self, timeout: Option<Duration>) -> Result<Watchdog, DriverError>;
 }
+
+/// What opens a device by its table's driver gives a `Box<dyn Driver>`, which is one itself.
+impl<D: Driver + ?Sized> Driver for Box<D> {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+    fn clock(&self) -> Arc<dyn Clock> {
+        (**self).clock()
+    }
+    fn joints(&self) -> &JointMap {
+        (**self).joints()
+    }
+    fn pace(&self) -> Pace {
+        (**self).pace()
+    }
+    fn read_state(&mut self) -> Result<State, DriverError> {
+        (**self).read_state()
+    }
+    fn torque(&mut self, on: bool) -> Result<(), DriverError> {
+        (**self).torque(on)
+    }
+    fn send(&mut self, command: &Command) -> Result<(), DriverError> {
+        (**self).send(command)
+    }
+    fn stop(&mut self) -> Result<(), DriverError> {
+        (**self).stop()
+    }
+    fn watchdog(&mut self, timeout: Option<Duration>) -> Result<Watchdog, DriverError> {
+        (**self).watchdog(timeout)
+    }
+}
