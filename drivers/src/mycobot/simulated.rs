@@ -5,8 +5,9 @@
 //! silent about angles then, queues goals or replaces them (fresh mode), and computes coordinates from the kinematics
 //! of the table it is made of.
 //!
-//! Where the real arm was not measured it does the simplest thing: the speed byte is a percentage of each joint's
-//! greatest speed, every joint goes by a trapezoid of its own, and a move to coordinates goes there in joint space.
+//! Where the real arm was not measured it does the simplest thing: the speed byte is a percentage of the greatest speed
+//! of the joint that has the longest way, the others leave and arrive with it, each by a trapezoid, and a move to
+//! coordinates goes there in joint space.
 
 mod answer;
 mod arm;

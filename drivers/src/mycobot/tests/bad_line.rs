@@ -111,7 +111,7 @@ fn operation<T>(
     let result = call(&mut bench.driver);
     outcome.longest = outcome.longest.max(bench.clock.now().since(start));
     if let Err(error) = &result {
-        outcome.failed += 1; let p = bench.device().device.positions(); let g = bench.device().device.goals(); println!("{error} {p:?} {g:?} {}", start.since_start().as_secs_f64());
+        outcome.failed += 1;
         if moving {
             outcome.given_up += 1;
             // Full speed, and braking from it, takes a quarter of a second.
