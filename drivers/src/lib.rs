@@ -19,6 +19,7 @@
 #![forbid(unsafe_code)]
 
 pub mod clock;
+pub mod connect;
 pub mod driver;
 pub mod dynamixel;
 pub mod motion;
