@@ -125,17 +125,15 @@ impl Arm<'_> {
     /// Where the table has none of that name.
     pub(crate) fn pose(&self, name: &str) -> Result<Vec<f64>, Refusal> {
         let poses = &self.model.poses;
-        match poses.iter().find(|pose| pose.name == name) {
-            Some(pose) => Ok(pose.q.clone()),
-            None => {
-                let known: Vec<&str> = poses.iter().map(|pose| pose.name.as_str()).collect();
-                let help = match known.as_slice() {
-                    [] => "the table names no poses".to_owned(),
-                    known => format!("there are {}", known.join(", ")),
-                };
-                Err(Refusal::new("pose", format!("there is no pose `{name}`")).help(help))
-            }
+        if let Some(pose) = poses.iter().find(|pose| pose.name == name) {
+            return Ok(pose.q.clone());
         }
+        let known: Vec<&str> = poses.iter().map(|pose| pose.name.as_str()).collect();
+        let help = match known.as_slice() {
+            [] => "the table names no poses".to_owned(),
+            known => format!("there are {}", known.join(", ")),
+        };
+        Err(Refusal::new("pose", format!("there is no pose `{name}`")).help(help))
     }
 
     /// The kind of target that a problem takes.
@@ -169,6 +167,8 @@ impl Arm<'_> {
     /// As [`motion::Robot::go`].
     pub(crate) fn go(&mut self, moves: &[Move], watcher: &mut Watcher<'_>) -> Result<(), Refusal> {
         let model = self.model;
+        // A stop that was asked for while the last move was made is over with it.
+        self.robot.stop_handle().clear();
         let moving = interrupt::Moving::begin();
         let outcome = self.robot.go_watched(moves, &mut |progress| watcher.tell(progress));
         drop(moving);
@@ -183,6 +183,14 @@ impl Arm<'_> {
     pub(crate) fn read(&mut self) -> Result<(), Refusal> {
         let outcome = self.robot.read().map(|_| ());
         outcome.map_err(|error| Refusal::new("device", error.to_string()))
+    }
+
+    /// Switches the torque on.
+    ///
+    /// # Errors
+    /// What the device says.
+    pub(crate) fn hold(&mut self) -> Result<(), Refusal> {
+        self.robot.hold().map_err(|error| refusal::of(self.model, &error))
     }
 
     /// Cuts the torque, where that is safe or wanted.
@@ -287,8 +295,7 @@ impl Arm<'_> {
 fn show(units: Units<'_>, kind: JointKind, value: f64) -> String {
     let value = units.variable(kind, value);
     let decimals = match (units.name(kind), kind) {
-        ("deg", _) => 2,
-        ("mm", _) => 2,
+        ("deg" | "mm", _) => 2,
         (_, JointKind::Revolute) => 4,
         (_, JointKind::Prismatic) => 5,
     };

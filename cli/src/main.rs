@@ -4,9 +4,12 @@
 //! radians and metres. Exit status: 0 done, 1 the input is wrong or has no solution, 2 wrong usage.
 
 mod arm;
+mod calibrate;
 mod check;
 mod check_pose;
+mod console;
 mod device;
+mod draw;
 mod equations;
 mod explain;
 mod failure;
@@ -64,6 +67,9 @@ enum Command {
     Read(read::Arguments),
     #[command(name = "move")]
     Move(Box<move_arm::Arguments>),
+    Draw(draw::Arguments),
+    Console(console::Arguments),
+    Calibrate(calibrate::Arguments),
     Explain(explain::Arguments),
 }
 
@@ -80,6 +86,9 @@ impl Command {
             Command::Sim(arguments) => sim::run(arguments, out),
             Command::Read(arguments) => read::run(arguments, out),
             Command::Move(arguments) => move_arm::run(arguments, out),
+            Command::Draw(arguments) => draw::run(arguments, out),
+            Command::Console(arguments) => console::run(arguments, out),
+            Command::Calibrate(arguments) => calibrate::run(arguments, out),
             Command::Explain(arguments) => explain::run(arguments, out),
         }
     }
@@ -93,10 +102,13 @@ impl Command {
             Command::CheckPose(arguments) => arguments.json,
             Command::Read(arguments) => arguments.json,
             Command::Move(arguments) => arguments.json,
+            Command::Draw(arguments) => arguments.json,
             Command::Check(_)
             | Command::Equations(_)
             | Command::Generate(_)
             | Command::Sim(_)
+            | Command::Console(_)
+            | Command::Calibrate(_)
             | Command::Explain(_) => false,
         }
     }

@@ -53,10 +53,10 @@ pub(crate) struct Arguments {
 pub(crate) struct Pace {
     /// The part of the greatest velocity to move at, in percent.
     #[arg(long, value_name = "PERCENT", default_value_t = 100.0)]
-    percent: f64,
+    pub(crate) percent: f64,
     /// Speed along lines, in the table's unit of length per second; refused where the joints can't follow.
     #[arg(long, value_name = "SPEED")]
-    speed: Option<f64>,
+    pub(crate) speed: Option<f64>,
 }
 
 impl Pace {

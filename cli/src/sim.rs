@@ -10,6 +10,7 @@ use dh_drivers::clock::RealClock;
 use dh_drivers::driver::{DeviceKind, DeviceSettings};
 use dh_drivers::dynamixel::control_table::{MODELS, Model};
 use dh_drivers::dynamixel::{ServoSpec, SimulatedBus};
+use dh_drivers::mycobot::{self, SimulatedMyCobot};
 use dh_drivers::simulate::{Line, SimulatedDevice, serve};
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -19,7 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// A simulated device of a table, on a pseudo-terminal that any program can open as its serial port.
 ///
 /// Prints {"port":".."} and runs until SIGINT or SIGTERM. The arm starts with all joints at 0, or as near to it as their
-/// limits let them be, and torque off. Where the system has no pseudo-terminals, the port is tcp:HOST:PORT.
+/// limits let them be; servos with torque off, a myCobot holding. Where the system has no pseudo-terminals, the port is tcp:HOST:PORT.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = EXAMPLES)]
 pub(crate) struct Arguments {
@@ -46,9 +47,16 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
     }
     let robot = Robot::load(&arguments.table, Level::Quick)?;
     let settings = device::settings(&robot)?;
-    let mut device: Box<dyn SimulatedDevice> = match settings.kind {
+    let program = robot.program()?;
+    let mut device: Box<dyn SimulatedDevice + '_> = match settings.kind {
         DeviceKind::Dynamixel => Box::new(servos(&robot, settings)?.with_time_scale(scale)),
-        DeviceKind::Mycobot => return Err(Refusal::new("device", "there is no simulated myCobot yet").into()),
+        DeviceKind::Mycobot => {
+            let arm = program.interpreter().map_err(|error| robot.unusable(&error))?;
+            let model = mycobot::Model::of_baud(settings.baud);
+            let simulated = SimulatedMyCobot::new(Box::new(arm), model)
+                .map_err(|error| Refusal::new("device", error.to_string()))?;
+            Box::new(simulated.with_time_scale(scale))
+        }
     };
     let stop = Arc::new(AtomicBool::new(false));
     let told = Arc::clone(&stop);

@@ -80,11 +80,12 @@ fn reason(model: &Model, reason: &Reason) -> Refusal {
     };
     match reason {
         Reason::OutsideLimits { joint, value, min, max } => rule::outside(units, joint.index, *value, *min, *max),
-        Reason::Forbidden(rule) => rule::forbidden(model, rule, &[]),
+        Reason::Forbidden(rule) | Reason::NoSolution(IkError::Forbidden { rule }) => {
+            rule::forbidden(model, rule, &[])
+        }
         Reason::NoSolution(IkError::OutsideLimits { joint, value, min, max }) => {
             rule::outside(units, *joint, *value, *min, *max)
         }
-        Reason::NoSolution(IkError::Forbidden { rule }) => rule::forbidden(model, rule, &[]),
         Reason::NotOnPath { joint, value: at, solution } => Refusal::new(
             "not_on_path",
             format!(

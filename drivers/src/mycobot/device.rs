@@ -47,6 +47,10 @@ pub struct Versions {
 /// (and none is sent at all: goals are absolute). Still, a request that is corrupted into another valid one is carried
 /// out as it arrives. Therefore arrival is judged by readings against the goal, never by an acknowledgement.
 ///
+/// The arm has one speed for all joints, in percent. What that is of, and how joints share it, its maker does not say;
+/// taken for granted is that the joint with the longest way (in time) goes at this part of the table's greatest speed,
+/// and that the others arrive with it. A command's velocities are reached by that joint, rounded down to a percent.
+///
 /// Nothing stops the arm when the program dies: there is no watchdog, and it goes on to its last goal.
 #[derive(Debug)]
 pub struct MyCobot {
@@ -373,7 +377,9 @@ impl MyCobot {
                 return Err(error(cause).of_joint(joint.name.clone()));
             }
         }
-        let percent = self.readings.percent(command.velocities());
+        // Where nothing is to move, any speed will do.
+        let still = command.velocities().iter().all(|velocity| *velocity == 0.0);
+        let percent = if still { 1.0 } else { self.readings.percent(command.velocities()) };
         if !(1.0..=f64::INFINITY).contains(&percent) {
             return Err(error(Cause::OutsideRange { value: percent, min: 1.0, max: 100.0 }));
         }

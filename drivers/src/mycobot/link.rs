@@ -131,7 +131,11 @@ impl Link {
                 .map_err(|error| self.failed(request, error))?;
             match self.await_reply(request.command(), REPLY).map_err(|error| self.failed(request, error))? {
                 Ok(reply) => match read(&reply) {
-                    Ok(value) => return Ok(value),
+                    Ok(value) => {
+                        // The replies to the earlier ones may still come.
+                        self.trouble |= attempt > 0;
+                        return Ok(value);
+                    }
                     Err(_) => garbled = true,
                 },
                 Err(something_came) => garbled |= something_came,

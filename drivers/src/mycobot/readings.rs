@@ -1,5 +1,7 @@
 //! What is read of the arm, and whether it can be believed.
 
+use std::time::Duration;
+
 use super::command::Command as C;
 use super::link::Link;
 use super::refusal::ANGLES;
@@ -10,13 +12,18 @@ use crate::driver::{Cause, DriverError, JointMap, JointState, State};
 
 /// How far beyond what the arm takes a joint can be read (deg).
 const BEYOND: f64 = 2.0;
-/// How far two readings of a joint at rest may be apart (deg): a servo's tick is 0.09, and it hunts by one.
-const AT_REST: f64 = 0.1;
+/// How far two readings of a joint at rest may be apart (deg): the last digit may round either way.
+const AT_REST: f64 = 0.015;
+/// The same after so many pairs that differed: a servo may hunt by one of its ticks, which are 0.09.
+const TICK: f64 = 0.1;
+const HUNTING: usize = 2;
 /// How far readings of a moving joint may be apart beyond what it travels (deg).
 const MOVING: f64 = 1.0;
 /// How far two readings of the coordinates may be apart, of an arm on its way too (mm, deg).
 const ALIKE_LENGTH: f64 = 30.0;
 const ALIKE_ANGLE: f64 = 15.0;
+/// Two readings that took longer than this say little of a moving joint: another is taken, as long as there are any.
+const PAIR: Duration = Duration::from_millis(150);
 /// How many readings are taken at most until two agree.
 const READINGS: usize = 5;
 /// Two states further apart than this tell no velocity (s).
@@ -51,15 +58,13 @@ impl Readings {
         self.speed = 1.0;
     }
 
-    /// The greatest percentage of full speed at which no joint exceeds its velocity (rad/s); joints with none stay,
-    /// and do not count. Not a whole number, and not a number where a velocity is none.
+    /// The speed that the leading joint is given for these velocities (rad/s), in percent of its full speed: the arm
+    /// has one speed for all joints. Not a whole number, and not a number where a velocity is none.
     pub(super) fn percent(&self, velocities: &[f64]) -> f64 {
-        let parts = velocities.iter().zip(&self.full_speeds).filter(|(velocity, _)| **velocity != 0.0);
-        let least = parts
-            .map(|(velocity, full)| velocity.abs() / full)
-            .fold(1.0, |least: f64, part| if part < least || part.is_nan() { part } else { least });
+        let parts = velocities.iter().zip(&self.full_speeds).map(|(velocity, full)| velocity.abs() / full);
+        let greatest = parts.fold(0.0, |greatest: f64, part| if part <= greatest { greatest } else { part });
         // What rounding took from 20 % makes it no 19.
-        100.0 * least + 1e-9
+        100.0 * greatest + 1e-9
     }
 
     /// From now on joints go at most this fast (rad/s), once they have come down from how fast they go now.
@@ -80,16 +85,20 @@ impl Readings {
         let request = Request::plain(C::IsMoving);
         let mut moved = link.ask(&request, Reply::flag)?;
         let mut first = Self::reading(link, joints)?;
-        let mut apart = Apart { joint: 0, first: 0.0, second: 0.0 };
-        for _ in 1..READINGS {
+        let (mut differed, mut apart) = (0, Apart { joint: 0, first: 0.0, second: 0.0 });
+        for attempt in 1..READINGS {
             let second = Self::reading(link, joints)?;
             // That it rests is said twice.
             let moves = link.ask(&request, Reply::flag)?;
             let moving = moved || moves;
+            if attempt + 1 < READINGS && second.answered.since(first.asked) > PAIR {
+                (first, moved) = (second, moves);
+                continue;
+            }
             let (speed, slack) = match (holding, moving) {
                 (false, _) => (1.0, MOVING),
                 (true, true) => (self.speed, MOVING),
-                (true, false) => (0.0, AT_REST),
+                (true, false) => (0.0, if differed < HUNTING { AT_REST } else { TICK }),
             };
             let last = self.last.filter(|_| holding);
             let jump = last.and_then(|last| self.apart(&last, &second, joints, 1.0, MOVING));
@@ -98,6 +107,7 @@ impl Readings {
                 Some(difference) => apart = difference,
             }
             link.counts.rejected += 1;
+            differed += 1;
             (first, moved) = (second, moves);
         }
         self.forget();

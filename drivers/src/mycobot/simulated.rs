@@ -5,8 +5,9 @@
 //! silent about angles then, queues goals or replaces them (fresh mode), and computes coordinates from the kinematics
 //! of the table it is made of.
 //!
-//! Where the real arm was not measured it does the simplest thing: the speed byte is a percentage of each joint's
-//! greatest speed, every joint goes by a trapezoid of its own, and a move to coordinates goes there in joint space.
+//! Where the real arm was not measured it does the simplest thing: the speed byte is a percentage of the greatest speed
+//! of the joint that has the longest way, the others leave and arrive with it, each by a trapezoid, and a move to
+//! coordinates goes there in joint space.
 
 mod answer;
 mod arm;
@@ -33,9 +34,10 @@ const REPLY_SPREAD: Duration = Duration::from_millis(7);
 const USB_LATENCY: Duration = Duration::from_millis(2);
 
 /// A simulated myCobot 280: a [`SimulatedDevice`].
-pub struct SimulatedMyCobot {
+pub struct SimulatedMyCobot<'k> {
     model: Model,
-    kinematics: Box<dyn Kinematics + Send>,
+    kinematics: Box<dyn Kinematics + Send + 'k>,
+    time_scale: f64,
     arm: Arm,
     reader: FrameReader,
     now: Time,
@@ -45,7 +47,7 @@ pub struct SimulatedMyCobot {
     color: [u8; 3],
 }
 
-impl fmt::Debug for SimulatedMyCobot {
+impl fmt::Debug for SimulatedMyCobot<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut lines = f.debug_struct("SimulatedMyCobot");
         lines.field("robot", &self.kinematics.name()).field("model", &self.model).field("arm", &self.arm);
@@ -53,17 +55,18 @@ impl fmt::Debug for SimulatedMyCobot {
     }
 }
 
-impl SimulatedMyCobot {
+impl<'k> SimulatedMyCobot<'k> {
     /// An arm of this table, powered and at rest where all joints are zero, or as near as their servos get.
     ///
     /// # Errors
     /// Where the table has other than six joints, or one that no servo moves.
-    pub fn new(kinematics: Box<dyn Kinematics + Send>, model: Model) -> Result<Self, MapError> {
+    pub fn new(kinematics: Box<dyn Kinematics + Send + 'k>, model: Model) -> Result<Self, MapError> {
         let map = JointMap::of_table(&*kinematics)?;
         let joints = super::six(&map)?;
         Ok(Self {
             model,
             kinematics,
+            time_scale: 1.0,
             arm: Arm::new(joints),
             reader: FrameReader::default(),
             now: Time::START,
@@ -72,6 +75,13 @@ impl SimulatedMyCobot {
             requests: 0,
             color: [0; 3],
         })
+    }
+
+    /// With motors that are so many times as fast; delays stay as they are. A driver of this crate does not believe in
+    /// motors that are faster than their table says.
+    pub fn with_time_scale(mut self, scale: f64) -> Self {
+        self.time_scale = scale;
+        self
     }
 
     /// Puts it at these joint values (rad), at rest.
@@ -138,7 +148,7 @@ impl SimulatedMyCobot {
     }
 }
 
-impl SimulatedDevice for SimulatedMyCobot {
+impl SimulatedDevice for SimulatedMyCobot<'_> {
     fn receive(&mut self, bytes: &[u8], now: Time) {
         self.advance(now);
         if now.since(self.last_byte) > GAP {
@@ -154,7 +164,7 @@ impl SimulatedDevice for SimulatedMyCobot {
     }
 
     fn advance(&mut self, now: Time) {
-        self.arm.advance(now.since(self.now));
+        self.arm.advance(now.since(self.now).mul_f64(self.time_scale));
         self.now = self.now.max(now);
     }
 

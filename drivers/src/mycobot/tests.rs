@@ -27,7 +27,7 @@ const FULL: f64 = 160.0 * std::f64::consts::PI / 180.0;
 /// A driver and the arm behind it.
 struct Bench {
     driver: MyCobot,
-    device: Arc<Mutex<Faulty<SimulatedMyCobot>>>,
+    device: Arc<Mutex<Faulty<SimulatedMyCobot<'static>>>>,
     clock: Arc<VirtualClock>,
 }
 
@@ -43,7 +43,7 @@ impl Bench {
         Self { driver, device, clock }
     }
 
-    fn device(&self) -> MutexGuard<'_, Faulty<SimulatedMyCobot>> {
+    fn device(&self) -> MutexGuard<'_, Faulty<SimulatedMyCobot<'static>>> {
         self.device.lock().unwrap()
     }
 

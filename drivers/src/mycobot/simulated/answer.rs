@@ -16,7 +16,7 @@ const IN_POSITION: f64 = 0.5;
 
 const DONE: [u8; 1] = [1];
 
-impl SimulatedMyCobot {
+impl SimulatedMyCobot<'_> {
     /// The reply to a request; `None` where the arm is silent.
     pub(super) fn answer(&mut self, request: &Frame) -> Option<Frame> {
         let command = Command::of_byte(request.command)?;

@@ -13,6 +13,8 @@ const TIME_TO_SPEED: f64 = 0.25;
 /// Percent a second of the gripper at full speed, and percent a second squared.
 const GRIPPER_SPEED: f64 = 150.0;
 const GRIPPER_ACCELERATION: f64 = 600.0;
+/// A joint that has hardly any way goes at this part of the leading one's speed.
+const LEAST_PART: f64 = 0.01;
 /// How near to a goal counts as there (deg).
 const IN_POSITION: f64 = 0.05;
 
@@ -30,7 +32,9 @@ struct Axis {
     map: DeviceJoint,
     motor: Trapezoid,
     /// deg/s
-    max_velocity: f64,
+    full_speed: f64,
+    /// deg/s²
+    full_acceleration: f64,
     limits: Range,
     torque: bool,
 }
@@ -38,12 +42,17 @@ struct Axis {
 impl Axis {
     fn new(map: &DeviceJoint, range: Range) -> Self {
         let degrees = map.scale.abs();
-        let max_velocity = map.max_velocity.map_or(MAX_VELOCITY, |velocity| velocity * degrees);
-        let acceleration = map.max_acceleration.map(|acceleration| acceleration * degrees);
-        let acceleration = acceleration.unwrap_or(max_velocity / TIME_TO_SPEED);
+        let full_speed = map.max_velocity.map_or(MAX_VELOCITY, |velocity| velocity * degrees);
+        let full_acceleration = map.max_acceleration.map(|acceleration| acceleration * degrees);
+        let full_acceleration = full_acceleration.unwrap_or(full_speed / TIME_TO_SPEED);
         let rest = map.to_device(0.0).clamp(range.0, range.1);
-        let motor = Trapezoid::at(rest, max_velocity, acceleration);
-        Self { map: map.clone(), motor, max_velocity, limits: range, torque: true }
+        let motor = Trapezoid::at(rest, full_speed, full_acceleration);
+        Self { map: map.clone(), motor, full_speed, full_acceleration, limits: range, torque: true }
+    }
+
+    /// How long the way to an angle (deg) takes at full speed (s).
+    fn time_to(&self, angle: f64) -> f64 {
+        (angle - self.motor.position).abs() / self.full_speed
     }
 }
 
@@ -58,6 +67,8 @@ pub(super) struct Arm {
     /// Whether it may be moved by hand.
     pub(super) free: bool,
     queue: VecDeque<Goal>,
+    /// Percent, of the last goal.
+    speed: u8,
     /// The latched error; 0 is none.
     error: u8,
     gripper: Trapezoid,
@@ -74,6 +85,7 @@ impl Arm {
             fresh: true,
             free: false,
             queue: VecDeque::new(),
+            speed: 100,
             error: 0,
             gripper: Trapezoid::at(100.0, GRIPPER_SPEED, GRIPPER_ACCELERATION),
         }
@@ -129,18 +141,23 @@ impl Arm {
         }
     }
 
+    /// All joints leave and arrive together; on the way from another goal they turn as fast as they can.
     fn pursue(&mut self, goal: Goal) {
-        for (axis, angle) in self.axes.iter_mut().zip(goal.angles) {
-            if axis.torque {
-                axis.motor.goal = angle;
-                axis.motor.max_velocity = axis.max_velocity * f64::from(goal.speed) / 100.0;
-            }
+        self.speed = goal.speed;
+        let longest =
+            self.axes.iter().zip(goal.angles).map(|(axis, angle)| axis.time_to(angle)).fold(0.0, f64::max);
+        let moving = self.is_moving();
+        for (axis, angle) in self.axes.iter_mut().zip(goal.angles).filter(|(axis, _)| axis.torque) {
+            let part = if longest > 0.0 { (axis.time_to(angle) / longest).max(LEAST_PART) } else { 1.0 };
+            axis.motor.goal = angle;
+            axis.motor.max_velocity = axis.full_speed * part * f64::from(goal.speed) / 100.0;
+            axis.motor.max_acceleration = axis.full_acceleration * if moving { 1.0 } else { part };
         }
     }
 
     pub(super) fn pause(&mut self) {
         if self.paused.is_none() {
-            self.paused = Some(Goal { angles: self.goal_angles(), speed: self.speed() });
+            self.paused = Some(Goal { angles: self.goal_angles(), speed: self.speed });
             self.brake();
         }
     }
@@ -165,12 +182,6 @@ impl Arm {
         for axis in &mut self.axes {
             axis.motor.brake();
         }
-    }
-
-    /// The speed byte of the present goal.
-    fn speed(&self) -> u8 {
-        let [axis, ..] = &self.axes;
-        (100.0 * axis.motor.max_velocity / axis.max_velocity).round() as u8
     }
 
     pub(super) fn latch(&mut self, code: u8) {

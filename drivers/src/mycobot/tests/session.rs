@@ -99,26 +99,28 @@ fn it_pauses_goes_on_and_stops() {
     assert!(bench.device().device.is_holding());
 }
 
+/// The leading joint goes as fast as it may, to the percent below; the others arrive with it.
 #[test]
-fn speeds_are_the_slowest_joints_and_never_more_than_asked() {
+fn the_leading_joint_has_its_speed_and_the_others_arrive_with_it() {
     let mut bench = Bench::new(Model::Pi);
     bench.driver.torque(true).unwrap();
-    // 30 % of joint 1, 55.9 % of joint 2; the others stay.
-    let velocities = vec![0.3 * FULL, -0.559 * FULL, 0.0, 0.0, 0.0, 0.0];
-    let command = Command::for_test(Arm.fingerprint(), vec![0.6, -0.6, 0.0, 0.0, 0.0, 0.0], velocities);
-    bench.driver.send(&command).unwrap();
+    let velocities = vec![0.2795 * FULL, -0.559 * FULL, 0.0, 0.0, 0.0, 0.0];
+    let goal = [0.6, -1.2, 0.0, 0.0, 0.0, 0.0];
+    bench.driver.send(&Command::for_test(Arm.fingerprint(), goal.to_vec(), velocities)).unwrap();
     let mut fastest = [0.0_f64; 6];
     let mut before = bench.device().device.positions();
-    for _ in 0..100 {
+    for _ in 0..200 {
         bench.pass(Duration::from_millis(10));
         let now = bench.device().device.positions();
+        assert!((now[1] + 2.0 * now[0]).abs() < 1e-3, "no straight line in joint space: {now:?}");
         for (fastest, (now, before)) in fastest.iter_mut().zip(now.iter().zip(before)) {
             *fastest = fastest.max((now - before).abs() / 0.01);
         }
         before = now;
     }
-    assert!((fastest[0] / FULL - 0.3).abs() < 1e-6, "{fastest:?}");
-    assert!((fastest[1] / FULL - 0.3).abs() < 1e-6, "{fastest:?}");
+    assert!(apart(&before, &goal) < TENTH);
+    assert!((fastest[1] / FULL - 0.55).abs() < 1e-6, "{fastest:?}");
+    assert!((fastest[0] / FULL - 0.275).abs() < 1e-3, "{fastest:?}");
 }
 
 /// Nothing of what is refused reaches the arm, and each refusal names what it is about.
