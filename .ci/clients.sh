@@ -16,7 +16,7 @@ if ! install; then
     exit 0
 fi
 cargo build --locked --quiet --bin dhc
-for session in tests/clients/dynamixel.py; do
+for session in tests/clients/dynamixel.py tests/clients/mycobot.py; do
     echo "$session"
     "$python" "$session" target/debug/dhc
 done
