@@ -38,7 +38,14 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
             derived.len() - 1
         });
         match derived.get(at) {
-            Some((_, Ok(derivation))) => functions.push(function(index, derivation, constants)),
+            Some((problem, Ok(derivation))) => {
+                let polish = problem.target == Target::Pose
+                    && problem.constraints.is_empty()
+                    && index
+                        .and_then(|index| model.problems.get(index))
+                        .is_none_or(|own| own.filters.is_empty());
+                functions.push(function(index, derivation, polish, constants));
+            }
             Some((_, Err(refusal))) => {
                 unsolved.push(Unsolved { problem: index, refusal: refusal.clone() });
             }
@@ -61,7 +68,12 @@ fn full_pose() -> Problem {
     }
 }
 
-fn function(problem: Option<usize>, derivation: &Derivation, constants: &mut Constants) -> Function {
+fn function(
+    problem: Option<usize>,
+    derivation: &Derivation,
+    polish: bool,
+    constants: &mut Constants,
+) -> Function {
     let arena = &derivation.arena;
     let inputs: Vec<String> = derivation
         .inputs
@@ -73,14 +85,14 @@ fn function(problem: Option<usize>, derivation: &Derivation, constants: &mut Con
             _ => None,
         })
         .collect();
-    let coefficients: Vec<Expr> =
-        derivation.stages.iter().flat_map(|stage| stage.equation.coefficients()).collect();
-    let mut scheduler = Scheduler::new(arena, constants, &inputs, &coefficients);
+    let coefficients = derivation.stages.iter().flat_map(|stage| stage.equation.coefficients());
+    let computed: Vec<Expr> = coefficients.chain(derivation.tool.iter().copied()).collect();
+    let mut scheduler = Scheduler::new(arena, constants, &inputs, &computed);
     for (index, input) in derivation.inputs.iter().enumerate() {
         scheduler.bind(*input, super::ValueId(index));
     }
     let stages = derivation.stages.iter().map(stage).collect();
-    let steps = nested(&mut scheduler, derivation, 0);
+    let steps = nested(&mut scheduler, derivation, polish, 0);
     Function {
         kind: FunctionKind::Inverse(problem),
         values: scheduler.values,
@@ -93,11 +105,15 @@ fn function(problem: Option<usize>, derivation: &Derivation, constants: &mut Con
 }
 
 /// The steps from a stage on, inside the loop over the roots of the one before.
-fn nested(scheduler: &mut Scheduler<'_>, derivation: &Derivation, index: usize) -> Vec<Step> {
+fn nested(scheduler: &mut Scheduler<'_>, derivation: &Derivation, polish: bool, index: usize) -> Vec<Step> {
     let Some(stage) = derivation.stages.get(index) else {
         let q =
             derivation.joints.iter().map(|joint| scheduler.linear(&joint.terms, joint.constant)).collect();
-        return vec![Step::Accept { q }];
+        let outer = std::mem::take(&mut scheduler.steps);
+        let tool = scheduler.scalars(&derivation.tool);
+        let mut steps = std::mem::replace(&mut scheduler.steps, outer);
+        steps.push(Step::Accept { q, tool, polish });
+        return steps;
     };
     let outer = std::mem::take(&mut scheduler.steps);
     let scalars = scheduler.scalars(&stage.equation.coefficients());
@@ -107,9 +123,10 @@ fn nested(scheduler: &mut Scheduler<'_>, derivation: &Derivation, index: usize) 
     if let Some(slide) = stage.slide {
         scheduler.bind(slide, root);
     }
-    let body = nested(scheduler, derivation, index + 1);
+    let sin_cos = scheduler.sin_cos_of_variable(index);
+    let body = nested(scheduler, derivation, polish, index + 1);
     if let Some(equation) = equation(&stage.equation, scalars) {
-        steps.push(Step::Solve { stage: index, root, equation, body });
+        steps.push(Step::Solve { stage: index, root, sin_cos, equation, body });
     }
     steps
 }
@@ -119,6 +136,9 @@ fn equation(kind: &StageEquation, scalars: Vec<Scalar>) -> Option<Equation> {
     let mut next = || scalars.next();
     Some(match kind {
         StageEquation::Trig(_) => Equation::Trig { a: next()?, b: next()?, c: next()? },
+        StageEquation::TrigUnit(..) => {
+            Equation::TrigUnit { row: [next()?, next()?, next()?], others: [next()?, next()?] }
+        }
         StageEquation::TrigPair(..) => {
             Equation::TrigPair { first: [next()?, next()?, next()?], second: [next()?, next()?, next()?] }
         }

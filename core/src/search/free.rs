@@ -1,6 +1,6 @@
 //! A joint that a target leaves free: one of its values, with which the rest can be solved.
 
-use super::{DEPTH_OF_MISSED, Failure, Roots, Search};
+use super::{DEPTH_OF_MISSED, Failure, Search};
 use crate::{Float, Step};
 
 /// Values tried at even distances: multiples of an eighth of half a turn, or of the reach.
@@ -32,43 +32,17 @@ pub(super) struct Free<S> {
     inner: [Option<Failure<S>>; 2],
 }
 
-impl<S: Float> Roots<S> {
-    /// The roots of a step whose coefficients vanish: any value.
-    pub(super) fn free(step: Step, accepted: u32) -> Self {
-        let free = Free {
-            step,
-            tried: 0,
-            value: S::ZERO,
-            accepted,
-            outer: None,
-            best: None,
-            interval: [S::ZERO; 2],
-            inner: [None; 2],
-        };
-        Self { roots: [Some(S::ZERO), None], free: Some(free) }
-    }
-}
-
 impl<const N: usize, S: Float> Search<'_, N, S> {
-    /// The next root to go on with. A step that is free gives another value as long as none led to a solution.
-    #[inline]
-    pub fn next(&mut self, roots: &mut Roots<S>) -> Option<S> {
-        if let Some(free) = &mut roots.free {
-            return self.next_value(free);
-        }
-        let [first, second] = &mut roots.roots;
-        first.take().or_else(|| second.take())
-    }
-
+    /// The next value of a free step, if none led to a solution yet.
     #[cold]
-    fn next_value(&mut self, free: &mut Free<S>) -> Option<S> {
+    pub(super) fn next_value(&mut self, mut free: Free<S>) -> (Option<S>, Free<S>) {
         if free.tried == 0 {
             free.outer = self.failure.take();
         } else {
             let failure = self.failure.take();
             if self.accepted > free.accepted {
                 self.failure = free.outer;
-                return None;
+                return (None, free);
             }
             free.note(failure);
         }
@@ -83,11 +57,24 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             }
         }
         free.value = value.unwrap_or(free.value);
-        value
+        (value, free)
     }
 }
 
 impl<S: Float> Free<S> {
+    pub(super) fn new(step: Step, accepted: u32) -> Self {
+        Self {
+            step,
+            tried: 0,
+            value: S::ZERO,
+            accepted,
+            outer: None,
+            best: None,
+            interval: [S::ZERO; 2],
+            inner: [None; 2],
+        }
+    }
+
     /// Half a turn, or the reach (m).
     fn half_range(&self, reach: S) -> S {
         if self.step.prismatic { reach } else { S::PI }
