@@ -19,6 +19,7 @@ fn scalars<'p>(steps: &'p mut [Step], found: &mut Vec<&'p mut Scalar>) {
             Step::Solve { equation, body, .. } => {
                 match equation {
                     Equation::Trig { a, b, c } | Equation::Quadratic { a, b, c } => found.extend([a, b, c]),
+                    Equation::TrigUnit { row, others } => found.extend(row.iter_mut().chain(others)),
                     Equation::TrigPair { first, second } => found.extend(first.iter_mut().chain(second)),
                     Equation::Linear { a, c } => found.extend([a, c]),
                 }

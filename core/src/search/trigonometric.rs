@@ -182,7 +182,13 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             return self.degenerate(step, gap, scale);
         }
         let (cosine, sine) = (cosine / length, sine / length);
-        let (sin, cos) = gauss_newton(first, second, cosine, sine).sin_cos();
+        let change = gauss_newton(first, second, cosine, sine);
+        if h <= scale.tolerance {
+            // Rounding of the right-hand sides, over the size of the rows.
+            let uncertainty = (scale.vanishing / h).min(S::PI);
+            return Roots::about(step, sine.atan2(cosine) + change, uncertainty, self.accepted);
+        }
+        let (sin, cos) = change.sin_cos();
         Roots::one(Root::Angle { sin: sine * cos + cosine * sin, cos: cosine * cos - sine * sin })
     }
 
