@@ -5,9 +5,9 @@
 use ::core::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    FULL_POSE, Float, Frame, FreeValues, IkError, Jacobian, Joint, Kinematics, LengthError, Limits,
-    Measure, Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search, Servo, Solution,
-    SolutionSet, Solutions, Step, Target, TargetKind, Violations, Winding, copy_into,
+    Arm, FULL_POSE, Float, Frame, FreeValues, IkError, Jacobian, Joint, Kinematics, LengthError,
+    Limits, Measure, Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search, Servo,
+    Solution, SolutionSet, Solutions, Step, Target, TargetKind, Violations, Winding, copy_into,
     jacobian_from_columns, joint_array,
 };
 
@@ -267,7 +267,7 @@ impl Panda {
     }
 
     /// The joint that `ik_at` leaves to the caller: J7 (rad).
-    pub const REDUNDANCY: Redundancy<'static> = Redundancy::new(6, Self::RULES, REACH);
+    pub const REDUNDANCY: Redundancy<'static> = Redundancy::of_pose(6, Self::RULES, REACH);
 
     /// [`Self::ik_at`] at 16 values of J7 (rad), spread evenly over its limits (over the whole turn
     /// where these leave it): every geometric solution that brings the tool frame to a pose, limits
@@ -306,10 +306,9 @@ impl Panda {
     /// of them breaks.
     pub fn ik_nearest(&self, target: &Pose, seed: &[f64; 7]) -> Result<Solution<7>, IkError> {
         let target = &Target::Pose(target.into());
-        let target = &target.validate()?;
         let at = |free| solve_pose(target, &[free]);
-        let errors = |q: &[f64; 7]| target.errors(&forward_kinematics(q));
-        Self::REDUNDANCY.nearest(at, tool_point, errors, seed)
+        let arm = Arm::new(at, pose_and_jacobian);
+        Self::REDUNDANCY.nearest(arm, tool_point, target, seed)
     }
 
     /// Every geometric solution of the table's problem `tool_down`, limits ignored; joints that
