@@ -77,9 +77,10 @@ fn outline(model: &Model) -> Outline {
     }
 }
 
-/// A problem without a closed form has no function; the rest of the arm is not at fault.
+/// A problem without a closed form has no function; the rest of the arm is not at fault. The full pose, which no
+/// entry of the table asks for, is left out without a word.
 fn not_solved(model: &Model, unsolved: &Unsolved) -> Option<Diagnostic> {
-    let problem = model.problems.get(unsolved.problem)?;
+    let problem = model.problems.get(unsolved.problem?)?;
     let (name, why) = (&problem.name, unsolved.refusal.text());
     let message = format!("there is no `ik_{name}`: {why}");
     Some(Diagnostic::warning(catalogue::NO_CLOSED_FORM, message).at(problem.span.clone(), "this problem").help(

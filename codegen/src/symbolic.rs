@@ -3,6 +3,7 @@
 //! `number`, `angle` and `expression` are the algebra; `transform` and `chain` write the robot in it;
 //! `forward_kinematics`, `jacobian` and `inverse_kinematics` derive the equations.
 
+mod addition;
 pub mod angle;
 pub mod chain;
 pub mod expression;

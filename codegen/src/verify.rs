@@ -75,19 +75,23 @@ impl Tolerance {
     }
 }
 
-/// Runs every function of a plan; those that fail are reported and left out of the plan that is returned.
+/// Runs every function of a plan; those that fail are reported and left out of the plan that is returned. Of several
+/// that solve one inverse problem, the first that stands it is kept; those behind it are neither run nor reported.
 pub fn verify(model: &Model, plan: Plan, level: Level, diagnostics: &mut Diagnostics) -> (Plan, Report) {
     let verification = Verification { model, level, reach: model.reach() };
-    let report = verification.report(&plan);
+    let found = verification.reports(&plan);
+    let passed =
+        |report: &Option<FunctionReport>| report.as_ref().is_some_and(|report| report.failure.is_none());
+    let functions = plan.functions.into_iter().zip(&found);
+    let functions = functions.filter(|(_, report)| passed(report)).map(|(function, _)| function).collect();
+    let report = Report { functions: found.into_iter().flatten().collect() };
     for function in &report.functions {
-        if let Some(failure) = &function.failure {
+        let solved =
+            report.functions.iter().any(|other| other.kind == function.kind && other.failure.is_none());
+        if let (Some(failure), false) = (&function.failure, solved) {
             diagnostics.push(diagnostic(model, function, failure));
         }
     }
-    let failed =
-        |index: usize| report.functions.get(index).is_some_and(|function| function.failure.is_some());
-    let functions = plan.functions.into_iter().enumerate();
-    let functions = functions.filter(|(index, _)| !failed(*index)).map(|(_, function)| function).collect();
     (Plan { constants: plan.constants, functions }, report)
 }
 
@@ -115,43 +119,52 @@ struct Verification<'m> {
 }
 
 impl Verification<'_> {
-    fn report(&self, plan: &Plan) -> Report {
-        let mut functions: Vec<FunctionReport> =
-            plan.functions.iter().map(|function| self.prepare(plan, function)).collect();
-        let sound = |(function, report): (&Function, &FunctionReport)| {
-            report.failure.is_none().then(|| function.clone())
-        };
-        let sound = plan.functions.iter().zip(&functions).filter_map(sound).collect();
-        let sound = Plan { constants: plan.constants.clone(), functions: sound };
-        let program = match Program::new(self.model, &sound) {
-            Ok(program) => program,
-            Err(error) => {
-                for report in &mut functions {
-                    report.failure = Some(error.to_string());
-                }
-                return Report { functions };
-            }
-        };
+    /// One a function; `None` where the problem was solved before.
+    fn reports(&self, plan: &Plan) -> Vec<Option<FunctionReport>> {
         let any = Constraints::of(self.model, None);
         let poses = poses::poses(self.model, &any, self.level, self.reach, |_| true);
         let references: Vec<_> = poses.into_iter().map(|q| Reference::at(self.model, q)).collect();
-        let (forward, inverse): (Vec<_>, Vec<_>) = functions
-            .iter_mut()
-            .filter(|report| report.failure.is_none())
-            .partition(|report| report.inverse.is_none());
-        let mut fk = false;
-        for report in forward {
-            forward::verify(&program, &references, self.reach, report);
-            fk |= report.kind == FunctionKind::Fk && report.failure.is_none();
-        }
-        for report in inverse {
-            if fk {
-                self.inverse(&program, report);
-            } else {
-                report.failure = Some("it relies on `fk`, which failed".to_owned());
+        let mut found: Vec<Option<FunctionReport>> = Vec::new();
+        let (mut sound, mut solved) = (Vec::new(), Vec::new());
+        for function in &plan.functions {
+            if solved.contains(&function.kind) {
+                found.push(None);
+                continue;
             }
+            let mut report = self.prepare(plan, function);
+            if report.failure.is_none() {
+                let functions = sound.iter().chain([function]).cloned().collect();
+                let alone = Plan { constants: plan.constants.clone(), functions };
+                self.run(&alone, &references, &mut report);
+            }
+            match function.kind {
+                FunctionKind::Fk | FunctionKind::FkJacobian if report.failure.is_none() => {
+                    sound.push(function.clone());
+                }
+                FunctionKind::Inverse(_) if report.failure.is_none() => solved.push(function.kind.clone()),
+                _ => {}
+            }
+            found.push(Some(report));
         }
-        Report { functions }
+        found
+    }
+
+    /// Runs the last function of a plan, whose others are those that inverse functions rely on, as far as they are sound.
+    fn run(&self, plan: &Plan, references: &[Reference<'_>], report: &mut FunctionReport) {
+        let program = match Program::new(self.model, plan) {
+            Ok(program) => program,
+            Err(error) => {
+                report.failure = Some(error.to_string());
+                return;
+            }
+        };
+        if report.inverse.is_none() {
+            forward::verify(&program, references, self.reach, report);
+        } else if plan.functions.iter().any(|function| function.kind == FunctionKind::Fk) {
+            self.inverse(&program, report);
+        } else {
+            report.failure = Some("it relies on `fk`, which failed".to_owned());
+        }
     }
 
     /// The report on a function before it is run.

@@ -18,6 +18,7 @@ mod kinematics;
 mod mounted;
 #[cfg(feature = "nalgebra")]
 mod nalgebra_types;
+mod polish;
 mod quaternion;
 mod rules;
 mod search;
@@ -38,6 +39,7 @@ pub use kinematics::{FULL_POSE, Kinematics, ProblemInfo};
 pub use mounted::{Mounted, MountingFrame};
 #[cfg(feature = "nalgebra")]
 pub use nalgebra_types::{Jacobian, Pose, jacobian_from_columns};
+pub use polish::{Polished, polish};
 pub use rules::{Axis, Bound, KeepOut, Rule, Rules, Side, SumLimit, Violation, Violations, Winding};
 pub use search::{Condition, Roots, Search};
 pub use solution_set::{SolutionSet, SolutionView};

@@ -2,10 +2,14 @@
 //! accepted or refused, and where nothing is found the failure that came furthest says why.
 
 mod conditions;
+mod free;
 mod polynomial;
+mod pose;
+mod roots;
 mod trigonometric;
 
 pub use conditions::Condition;
+pub use roots::Roots;
 
 use crate::{Float, IkError, Rule, Solution, Solutions, Step, Winding, residual_tolerance};
 
@@ -27,7 +31,8 @@ const DOUBLE_ROOT: f64 = 4.0;
 /// // x = cos(theta1), at 0.5
 /// const STEP_1: Step = Step::new(0, 0b1, false, Measure::Length);
 /// let mut search = Search::<1>::new(1.0, &[]);
-/// for theta1 in search.trig(STEP_1, 1.0, 0.0, 0.5) {
+/// let mut roots = search.trig(STEP_1, 1.0, 0.0, 0.5);
+/// while let Some((theta1, _, _)) = search.next_angle(&mut roots) {
 ///     search.accept([theta1], 0.0, 0.0);
 /// }
 /// let solutions = search.finish()?;
@@ -44,10 +49,14 @@ pub struct Search<'a, const N: usize, S = f64> {
     /// The first row of each free step.
     free_rows: [u8; u32::BITS as usize],
     failure: Option<Failure<S>>,
+    /// How many candidates were taken, those that were there already included.
+    accepted: u32,
+    /// Whether a step had roots so near to each other, or so uncertain, that two branches may have met.
+    doubtful: bool,
 }
 
 /// Why a branch ended.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Failure<S> {
     /// How far it came.
     depth: u32,
@@ -60,42 +69,6 @@ struct Failure<S> {
 const DEPTH_OF_MISSED: u32 = 0;
 /// A candidate that a condition refuses was a solution: it came further than any step.
 const DEPTH_OF_REFUSED: u32 = u32::MAX;
-
-/// Roots of an equation in one unknown.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Roots<S = f64>([Option<S>; 2]);
-
-impl<S> Roots<S> {
-    const fn one(root: S) -> Self {
-        Self([Some(root), None])
-    }
-    const fn two(first: S, second: S) -> Self {
-        Self([Some(first), Some(second)])
-    }
-}
-
-impl<S: Float> Roots<S> {
-    /// No root.
-    pub const NONE: Self = Self([None, None]);
-
-    /// How many roots there are.
-    pub fn len(&self) -> usize {
-        self.into_iter().count()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-}
-
-impl<S> IntoIterator for Roots<S> {
-    type Item = S;
-    type IntoIter = core::iter::Flatten<core::array::IntoIter<Option<S>, 2>>;
-    fn into_iter(self) -> Self::IntoIter {
-        self.0.into_iter().flatten()
-    }
-}
 
 impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     /// A new search. The reach (m) of the arm gives tolerances their scale; the windings
@@ -110,6 +83,8 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             free_steps: 0,
             free_rows: [0; u32::BITS as usize],
             failure: None,
+            accepted: 0,
+            doubtful: false,
         }
     }
 
@@ -126,6 +101,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         let mut q = q;
         crate::rules::wrap_all(self.windings, &mut q);
         let free = self.free_row();
+        self.accepted += 1;
         self.solutions.push(Solution { q, position_error, rotation_error, free }, self.windings);
     }
 
@@ -161,6 +137,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     }
 
     /// A step begins: what it left free on another branch is forgotten.
+    #[inline]
     fn begin(&mut self, step: Step) -> Scale<S> {
         self.free_steps &= !bit(step);
         let size = step.measure.scale(self.reach);
@@ -176,11 +153,16 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         if gap > scale.tolerance {
             return self.singular(step, gap, scale);
         }
+        self.mark_free(step);
+        Roots::any(step, self.accepted)
+    }
+
+    fn mark_free(&mut self, step: Step) {
+        self.doubtful = true;
         self.free_steps |= bit(step);
         if let Some(row) = self.free_rows.get_mut(usize::from(step.index)) {
             *row = step.first_row() as u8;
         }
-        Roots::one(S::ZERO)
     }
 
     fn singular(&mut self, step: Step, gap: S, scale: &Scale<S>) -> Roots<S> {

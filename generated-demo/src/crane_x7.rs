@@ -756,20 +756,23 @@ fn solve_planar(target: &Target) -> Result<Solutions<7>, IkError> {
 
     // theta4: d3 (2 tool_z + 2 d5) c4 = -n1
     // (squared distance of the position from the origin of frame 1)
-    for theta4 in search.trig(THETA4, K1, 0.0, -n1) {
+    let mut roots = search.trig(THETA4, K1, 0.0, -n1);
+    while let Some(theta4) = search.next(&mut roots) {
         let (s4, c4) = Float::sin_cos(theta4);
         let z0 = pz - D1;
 
         // theta2: ((tool_z + d5) c4 + d3) c2 - (tool_z + d5) s4 s2 = z0
         // (row 3 of the position in frame 0)
-        for theta2 in search.trig(THETA2, K5 * c4 + D3, -K5 * s4, z0) {
+        let mut roots = search.trig(THETA2, K5 * c4 + D3, -K5 * s4, z0);
+        while let Some(theta2) = search.next(&mut roots) {
             let (s24, _) = Float::sin_cos(theta4 + theta2);
             let (s2, _) = Float::sin_cos(theta2);
             let x1 = K5 * s24 + D3 * s2;
 
             // theta1: px c1 + py s1 = -x1; py c1 - px s1 = 0
             // (rows 1 and 3 of the position in frame 1)
-            for theta1 in search.trig_pair(THETA1, [px, py, -x1], [py, -px, 0.0]) {
+            let mut roots = search.trig_pair(THETA1, [px, py, -x1], [py, -px, 0.0]);
+            while let Some(theta1) = search.next(&mut roots) {
                 let q = [theta1, theta2, 0.0, theta4, 0.0, 0.0, 0.0];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                 search.accept(q, position_error, rotation_error);
@@ -793,18 +796,21 @@ fn solve_wrist_down(target: &Target) -> Result<Solutions<7>, IkError> {
 
     // theta4: 2 d3 d5 c4 = px^2 + py^2 + z0^2 - d5^2 - d3^2
     // (squares of all rows of the position in frame 0)
-    for theta4 in search.trig(THETA4, K6, 0.0, px * px + py * py + z0 * z0 - K7 - K3) {
+    let mut roots = search.trig(THETA4, K6, 0.0, px * px + py * py + z0 * z0 - K7 - K3);
+    while let Some(theta4) = search.next(&mut roots) {
         let (s4, c4) = Float::sin_cos(theta4);
 
         // theta2: (d5 c4 + d3) c2 - d5 s4 s2 = z0 (row 3 of the position in frame 0)
-        for theta2 in search.trig(THETA2, D5 * c4 + D3, -D5 * s4, z0) {
+        let mut roots = search.trig(THETA2, D5 * c4 + D3, -D5 * s4, z0);
+        while let Some(theta2) = search.next(&mut roots) {
             let (s24, _) = Float::sin_cos(theta4 + theta2);
             let (s2, _) = Float::sin_cos(theta2);
             let x1 = D3 * s2 + D5 * s24;
 
             // theta1: px c1 + py s1 = -x1; py c1 - px s1 = 0
             // (rows 1 and 3 of the position in frame 1)
-            for theta1 in search.trig_pair(THETA1, [px, py, -x1], [py, -px, 0.0]) {
+            let mut roots = search.trig_pair(THETA1, [px, py, -x1], [py, -px, 0.0]);
+            while let Some(theta1) = search.next(&mut roots) {
                 let q = [theta1, theta2, 0.0, theta4, 0.0, -theta2 - theta4 - PI, 0.0];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                 search.accept(q, position_error, rotation_error);

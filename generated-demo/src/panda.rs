@@ -655,18 +655,21 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<7>, IkError> {
     let mut search = Search::new(REACH, &WINDINGS);
 
     // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
-    for theta1 in search.trig(THETA1, py, -px, 0.0) {
+    let mut roots = search.trig(THETA1, py, -px, 0.0);
+    while let Some(theta1) = search.next(&mut roots) {
         let (s1, c1) = Float::sin_cos(theta1);
 
         // theta7: c1 c7 + s1 s7 = cyaw; s1 c7 - c1 s7 = syaw (cosine of the yaw; sine of the yaw)
-        for theta7 in search.trig_pair(THETA7, [c1, s1, cyaw], [s1, -c1, syaw]) {
+        let mut roots = search.trig_pair(THETA7, [c1, s1, cyaw], [s1, -c1, syaw]);
+        while let Some(theta7) = search.next(&mut roots) {
             let z0 = pz + D7 - D1;
             let x1 = px * c1 + py * s1 - A7;
 
             // theta4: (2 d3 d5 + 2 a4 a5) c4 + (2 d3 a5 - 2 a4 d5) s4 = z0^2 + x1^2 - d5^2 - a5^2 -
             // a4^2 - d3^2
             // (squares of rows 1 and 2 of the position in frame 1)
-            for theta4 in search.trig(THETA4, K1, K2, z0 * z0 + x1 * x1 - K3 - K4 - K5 - K6) {
+            let mut roots = search.trig(THETA4, K1, K2, z0 * z0 + x1 * x1 - K3 - K4 - K5 - K6);
+            while let Some(theta4) = search.next(&mut roots) {
                 let (s4, c4) = Float::sin_cos(theta4);
                 let t1 = D5 * s4 - A4 - A5 * c4;
                 let t2 = D5 * c4 + D3 + A5 * s4;
@@ -674,7 +677,8 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<7>, IkError> {
                 // theta2: (d5 s4 - a4 - a5 c4) c2 - (d5 c4 + d3 + a5 s4) s2 = -x1; (d5 c4 + d3 + a5
                 // s4) c2 + (d5 s4 - a4 - a5 c4) s2 = z0
                 // (rows 1 and 2 of the position in frame 1)
-                for theta2 in search.trig_pair(THETA2, [t1, -t2, -x1], [t2, t1, z0]) {
+                let mut roots = search.trig_pair(THETA2, [t1, -t2, -x1], [t2, t1, z0]);
+                while let Some(theta2) = search.next(&mut roots) {
                     let q = [theta1, theta2, 0.0, theta4, 0.0, theta2 - theta4, theta7];
                     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                     search.accept(q, position_error, rotation_error);

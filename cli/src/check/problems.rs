@@ -63,7 +63,7 @@ fn reason(robot: &Robot, index: Option<usize>) -> String {
     if let Some(failure) = failure.and_then(|function| function.failure.as_ref()) {
         return format!("left out, since it did not stand verification: {}", clean(failure));
     }
-    let unsolved = robot.output.unsolved.iter().find(|unsolved| Some(unsolved.problem) == index);
+    let unsolved = robot.output.unsolved.iter().find(|unsolved| unsolved.problem == index);
     match unsolved {
         Some(unsolved) => format!("not solved: {}", unsolved.refusal.text()),
         None => "not solved".to_owned(),
@@ -76,7 +76,7 @@ fn roots(steps: &[Step]) -> Vec<usize> {
     for step in steps {
         if let Step::Solve { equation, body, .. } = step {
             found.push(match equation {
-                Equation::Trig { .. } | Equation::Quadratic { .. } => 2,
+                Equation::Trig { .. } | Equation::TrigUnit { .. } | Equation::Quadratic { .. } => 2,
                 Equation::TrigPair { .. } | Equation::Linear { .. } => 1,
             });
             found.extend(roots(body));

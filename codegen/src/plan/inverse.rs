@@ -2,40 +2,50 @@
 
 use super::schedule::{Constants, Scheduler};
 use super::{Equation, Function, FunctionKind, Measure, Scalar, Stage, Step};
-use crate::model::{JointKind, Model, Problem};
+use crate::model::{JointKind, Model, Problem, Target};
 use crate::symbolic::expression::Expr;
 use crate::symbolic::inverse_kinematics::{self, Derivation, Refusal, StageEquation};
+use dh_core::FULL_POSE;
 
 /// A problem that has no function, and why.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Unsolved {
-    /// Index into `Model::problems`.
-    pub problem: usize,
+    /// Index into `Model::problems`; `None` is the full pose.
+    pub problem: Option<usize>,
     /// Why.
     pub refusal: Refusal,
 }
 
-/// The functions of all problems that have a closed form.
+/// The functions of the full pose and of all problems of the table. Several of one kind are strategies for the same
+/// problem, the best first; verification keeps the first that stands it.
 ///
 /// Problems that differ only in their `where` share one derivation.
 pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Function>, Vec<Unsolved>) {
     let (mut functions, mut unsolved) = (Vec::new(), Vec::new());
-    let mut derived: Vec<(usize, Result<Derivation, Refusal>)> = Vec::new();
-    for (index, problem) in model.problems.iter().enumerate() {
+    let mut derived: Vec<(Problem, Result<Derivation, Refusal>)> = Vec::new();
+    let pose = (model.joints.len() <= Target::Pose.rows()).then(|| (None, full_pose()));
+    let entries = model.problems.iter().enumerate().map(|(index, problem)| (Some(index), problem.clone()));
+    for (index, problem) in pose.into_iter().chain(entries) {
         let same = derived.iter().position(|(other, _)| {
-            model.problems.get(*other).is_some_and(|other| {
-                let forms = |p: &Problem| -> Vec<_> {
-                    p.constraints.iter().map(|c| (c.terms.clone(), c.constant)).collect()
-                };
-                other.target == problem.target && other.free == problem.free && forms(other) == forms(problem)
-            })
+            let forms = |p: &Problem| -> Vec<_> {
+                p.constraints.iter().map(|c| (c.terms.clone(), c.constant)).collect()
+            };
+            other.target == problem.target && other.free == problem.free && forms(other) == forms(&problem)
         });
         let at = same.unwrap_or_else(|| {
-            derived.push((index, inverse_kinematics::derive(model, problem)));
+            let derivation = inverse_kinematics::derive(model, &problem);
+            derived.push((problem, derivation));
             derived.len() - 1
         });
         match derived.get(at) {
-            Some((_, Ok(derivation))) => functions.push(function(index, derivation, constants)),
+            Some((problem, Ok(derivation))) => {
+                let polish = problem.target == Target::Pose
+                    && problem.constraints.is_empty()
+                    && index
+                        .and_then(|index| model.problems.get(index))
+                        .is_none_or(|own| own.filters.is_empty());
+                functions.push(function(index, derivation, polish, constants));
+            }
             Some((_, Err(refusal))) => {
                 unsolved.push(Unsolved { problem: index, refusal: refusal.clone() });
             }
@@ -45,7 +55,25 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
     (functions, unsolved)
 }
 
-fn function(problem: usize, derivation: &Derivation, constants: &mut Constants) -> Function {
+/// The full pose as a problem of the table that prescribes it and constrains nothing.
+fn full_pose() -> Problem {
+    Problem {
+        name: FULL_POSE.to_owned(),
+        target: Target::Pose,
+        constraints: Vec::new(),
+        filters: Vec::new(),
+        free: Vec::new(),
+        span: 0..0,
+        line: 0,
+    }
+}
+
+fn function(
+    problem: Option<usize>,
+    derivation: &Derivation,
+    polish: bool,
+    constants: &mut Constants,
+) -> Function {
     let arena = &derivation.arena;
     let inputs: Vec<String> = derivation
         .inputs
@@ -57,16 +85,16 @@ fn function(problem: usize, derivation: &Derivation, constants: &mut Constants) 
             _ => None,
         })
         .collect();
-    let coefficients: Vec<Expr> =
-        derivation.stages.iter().flat_map(|stage| stage.equation.coefficients()).collect();
-    let mut scheduler = Scheduler::new(arena, constants, &inputs, &coefficients);
+    let coefficients = derivation.stages.iter().flat_map(|stage| stage.equation.coefficients());
+    let computed: Vec<Expr> = coefficients.chain(derivation.tool.iter().copied()).collect();
+    let mut scheduler = Scheduler::new(arena, constants, &inputs, &computed);
     for (index, input) in derivation.inputs.iter().enumerate() {
         scheduler.bind(*input, super::ValueId(index));
     }
     let stages = derivation.stages.iter().map(stage).collect();
-    let steps = nested(&mut scheduler, derivation, 0);
+    let steps = nested(&mut scheduler, derivation, polish, 0);
     Function {
-        kind: FunctionKind::Inverse(Some(problem)),
+        kind: FunctionKind::Inverse(problem),
         values: scheduler.values,
         inputs: inputs.len(),
         steps,
@@ -77,11 +105,15 @@ fn function(problem: usize, derivation: &Derivation, constants: &mut Constants) 
 }
 
 /// The steps from a stage on, inside the loop over the roots of the one before.
-fn nested(scheduler: &mut Scheduler<'_>, derivation: &Derivation, index: usize) -> Vec<Step> {
+fn nested(scheduler: &mut Scheduler<'_>, derivation: &Derivation, polish: bool, index: usize) -> Vec<Step> {
     let Some(stage) = derivation.stages.get(index) else {
         let q =
             derivation.joints.iter().map(|joint| scheduler.linear(&joint.terms, joint.constant)).collect();
-        return vec![Step::Accept { q }];
+        let outer = std::mem::take(&mut scheduler.steps);
+        let tool = scheduler.scalars(&derivation.tool);
+        let mut steps = std::mem::replace(&mut scheduler.steps, outer);
+        steps.push(Step::Accept { q, tool, polish });
+        return steps;
     };
     let outer = std::mem::take(&mut scheduler.steps);
     let scalars = scheduler.scalars(&stage.equation.coefficients());
@@ -91,9 +123,10 @@ fn nested(scheduler: &mut Scheduler<'_>, derivation: &Derivation, index: usize) 
     if let Some(slide) = stage.slide {
         scheduler.bind(slide, root);
     }
-    let body = nested(scheduler, derivation, index + 1);
+    let sin_cos = scheduler.sin_cos_of_variable(index);
+    let body = nested(scheduler, derivation, polish, index + 1);
     if let Some(equation) = equation(&stage.equation, scalars) {
-        steps.push(Step::Solve { stage: index, root, equation, body });
+        steps.push(Step::Solve { stage: index, root, sin_cos, equation, body });
     }
     steps
 }
@@ -103,6 +136,9 @@ fn equation(kind: &StageEquation, scalars: Vec<Scalar>) -> Option<Equation> {
     let mut next = || scalars.next();
     Some(match kind {
         StageEquation::Trig(_) => Equation::Trig { a: next()?, b: next()?, c: next()? },
+        StageEquation::TrigUnit(..) => {
+            Equation::TrigUnit { row: [next()?, next()?, next()?], others: [next()?, next()?] }
+        }
         StageEquation::TrigPair(..) => {
             Equation::TrigPair { first: [next()?, next()?, next()?], second: [next()?, next()?, next()?] }
         }

@@ -12,7 +12,10 @@ fn scalars<'p>(steps: &'p mut [Step], found: &mut Vec<&'p mut Scalar>) {
         match step {
             Step::Let { value, .. } => found.push(value),
             Step::SinCos { angle, .. } => found.push(angle),
-            Step::Accept { q } => found.extend(q),
+            Step::Accept { q, tool, .. } => {
+                found.extend(q);
+                found.extend(tool);
+            }
             Step::Solve { equation, body, .. } => {
                 match equation {
                     Equation::Trig { a, b, c } | Equation::Quadratic { a, b, c } => found.extend([a, b, c]),

@@ -212,6 +212,9 @@ fn forward_functions_of_the_compiler_pass() {
         let (_, report) = verify(&model, crate::plan::build(&model).0, Level::Full, &mut diagnostics);
         for function in &report.functions {
             assert_eq!(function.failure, None, "{}", function.name);
+            if function.inverse.is_some() {
+                continue;
+            }
             assert!(function.position_error < 1e-14 && function.rotation_error < 1e-14);
         }
         assert!(report.functions.len() >= 5 && diagnostics.is_empty());
