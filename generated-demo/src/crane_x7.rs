@@ -226,12 +226,12 @@ impl CraneX7 {
     ///           (row 3 of the position in frame 0)
     /// theta1:   px c1 + py s1 = -x1
     ///           py c1 - px s1 = 0
+    ///           s24 = s4 c2 + c4 s2
     ///           x1 = (tool_z + d5) s24 + d3 s2
     ///           (rows 1 and 3 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 9 multiplications, 10 additions, 3 sine-cosine pairs (and 1
-    /// addition in their arguments).
+    /// Besides solving, on each branch: 23 multiplications, 15 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -286,12 +286,12 @@ impl CraneX7 {
     ///           (row 3 of the position in frame 0)
     /// theta1:   px c1 + py s1 = -x1
     ///           py c1 - px s1 = 0
+    ///           s24 = s4 c2 + c4 s2
     ///           x1 = d3 s2 + d5 s24
     ///           (rows 1 and 3 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 7 multiplications, 8 additions, 3 sine-cosine pairs (and 1
-    /// addition in their arguments).
+    /// Besides solving, on each branch: 35 multiplications, 21 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -757,24 +757,37 @@ fn solve_planar(target: &Target) -> Result<Solutions<7>, IkError> {
     // theta4: d3 (2 tool_z + 2 d5) c4 = -n1
     // (squared distance of the position from the origin of frame 1)
     let mut roots = search.trig(THETA4, K1, 0.0, -n1);
-    while let Some(theta4) = search.next(&mut roots) {
-        let (s4, c4) = Float::sin_cos(theta4);
+    while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
+        let y3 = K5 * c4;
+        let z2 = y3 + D3;
+        let nx3 = K5 * s4;
         let z0 = pz - D1;
 
         // theta2: ((tool_z + d5) c4 + d3) c2 - (tool_z + d5) s4 s2 = z0
         // (row 3 of the position in frame 0)
-        let mut roots = search.trig(THETA2, K5 * c4 + D3, -K5 * s4, z0);
-        while let Some(theta2) = search.next(&mut roots) {
-            let (s24, _) = Float::sin_cos(theta4 + theta2);
-            let (s2, _) = Float::sin_cos(theta2);
+        let mut roots = search.trig(THETA2, z2, -nx3, z0);
+        while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+            let s24 = s4 * c2 + c4 * s2;
             let x1 = K5 * s24 + D3 * s2;
 
             // theta1: px c1 + py s1 = -x1; py c1 - px s1 = 0
             // (rows 1 and 3 of the position in frame 1)
             let mut roots = search.trig_pair(THETA1, [px, py, -x1], [py, -px, 0.0]);
-            while let Some(theta1) = search.next(&mut roots) {
+            while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
+                let c24 = c4 * c2 - s4 * s2;
+                let nx1 = z2 * s2 + nx3 * c2;
+                let ny1 = nx3 * s2 - z2 * c2;
+
                 let q = [theta1, theta2, 0.0, theta4, 0.0, 0.0, 0.0];
-                let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                let tool = Frame {
+                    rotation: [
+                        [c24 * c1, -s1, -s24 * c1],
+                        [c24 * s1, c1, -s24 * s1],
+                        [s24, 0.0, c24],
+                    ],
+                    translation: [-nx1 * c1, -nx1 * s1, D1 - ny1],
+                };
+                let (position_error, rotation_error) = target.errors(&tool);
                 search.accept(q, position_error, rotation_error);
             }
         }
@@ -797,22 +810,41 @@ fn solve_wrist_down(target: &Target) -> Result<Solutions<7>, IkError> {
     // theta4: 2 d3 d5 c4 = px^2 + py^2 + z0^2 - d5^2 - d3^2
     // (squares of all rows of the position in frame 0)
     let mut roots = search.trig(THETA4, K6, 0.0, px * px + py * py + z0 * z0 - K7 - K3);
-    while let Some(theta4) = search.next(&mut roots) {
-        let (s4, c4) = Float::sin_cos(theta4);
-
+    while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
         // theta2: (d5 c4 + d3) c2 - d5 s4 s2 = z0 (row 3 of the position in frame 0)
         let mut roots = search.trig(THETA2, D5 * c4 + D3, -D5 * s4, z0);
-        while let Some(theta2) = search.next(&mut roots) {
-            let (s24, _) = Float::sin_cos(theta4 + theta2);
-            let (s2, _) = Float::sin_cos(theta2);
+        while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+            let s24 = s4 * c2 + c4 * s2;
             let x1 = D3 * s2 + D5 * s24;
 
             // theta1: px c1 + py s1 = -x1; py c1 - px s1 = 0
             // (rows 1 and 3 of the position in frame 1)
             let mut roots = search.trig_pair(THETA1, [px, py, -x1], [py, -px, 0.0]);
-            while let Some(theta1) = search.next(&mut roots) {
+            while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
+                let c24 = c4 * c2 - s4 * s2;
+                let nr11_3 = c4 * c24 + s4 * s24;
+                let r13_3 = s4 * c24 - c4 * s24;
+                let nr11_1 = c2 * nr11_3 - s2 * r13_3;
+                let r13_1 = s2 * nr11_3 + c2 * r13_3;
+                let nx5 = TOOL_Z * s24;
+                let ny5 = TOOL_Z * c24;
+                let nz4 = ny5 - D5;
+                let nx3 = c4 * nx5 - s4 * nz4;
+                let ny3 = s4 * nx5 + c4 * nz4;
+                let nz2 = ny3 - D3;
+                let nx1 = c2 * nx3 - s2 * nz2;
+                let ny1 = s2 * nx3 + c2 * nz2;
+
                 let q = [theta1, theta2, 0.0, theta4, 0.0, -theta2 - theta4 - PI, 0.0];
-                let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                let tool = Frame {
+                    rotation: [
+                        [-c1 * nr11_1, -s1, c1 * r13_1],
+                        [-s1 * nr11_1, c1, s1 * r13_1],
+                        [-r13_1, 0.0, -nr11_1],
+                    ],
+                    translation: [-c1 * nx1, -s1 * nx1, D1 - ny1],
+                };
+                let (position_error, rotation_error) = target.errors(&tool);
                 search.accept(q, position_error, rotation_error);
             }
         }
