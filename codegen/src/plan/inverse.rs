@@ -167,7 +167,7 @@ fn nested(scheduler: &mut Scheduler<'_>, derivation: &Derivation, polish: bool, 
     if let Some(slide) = stage.slide {
         scheduler.bind(slide, root);
     }
-    let sin_cos = scheduler.sin_cos_of_variable(index);
+    let sin_cos = scheduler.sin_cos_of_variable(derivation.given.len() + index);
     let body = nested(scheduler, derivation, polish, index + 1);
     if let Some(equation) = equation(&stage.equation, scalars) {
         steps.push(Step::Solve { stage: index, root, sin_cos, equation, body });
