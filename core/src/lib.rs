@@ -18,6 +18,7 @@ mod kinematics;
 mod mounted;
 #[cfg(feature = "nalgebra")]
 mod nalgebra_types;
+mod polish;
 mod quaternion;
 mod redundancy;
 mod rules;
@@ -39,6 +40,7 @@ pub use kinematics::{FULL_POSE, Kinematics, ProblemInfo};
 pub use mounted::{Mounted, MountingFrame};
 #[cfg(feature = "nalgebra")]
 pub use nalgebra_types::{Jacobian, Pose, jacobian_from_columns};
+pub use polish::{Polished, polish};
 pub use redundancy::{Arm, FreeValues, Redundancy, SWEEP_SAMPLES};
 pub use rules::{Axis, Bound, KeepOut, Rule, Rules, Side, SumLimit, Violation, Violations, Winding};
 pub use search::{Condition, Roots, Search};

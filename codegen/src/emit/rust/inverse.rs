@@ -1,13 +1,13 @@
 //! Inverse functions: the nested search.
 
 use super::Printer;
-use super::body::{Body, Locals};
+use super::body::{Body, Candidate, Locals};
 use super::layout::{Expression, statement};
 use super::names::function_suffix;
 use super::number::{self, number};
 use super::text::{Text, clean};
 use crate::model::{Filter, JointKind, Problem, Row, Target};
-use crate::plan::{Function, FunctionKind, Measure, Scalar, Stage, ValueId};
+use crate::plan::{Function, FunctionKind, Measure, Scalar, Stage, Step, ValueId};
 use dh_core::FULL_POSE;
 
 impl<'a> Printer<'a> {
@@ -37,11 +37,17 @@ impl<'a> Printer<'a> {
             lines.line(self.stage(index, stage, name));
         }
         lines.gap();
-        let kind = format!("{}::{:?}", self.paths.runtime("TargetKind"), target_of(problem));
-        lines.line(format!("let target = target.validate_as({kind})?;"));
         let (numbers, free) = input_patterns(function, problem, &body);
+        let source = if polishes(&function.steps) {
+            lines.line("let pose = target.validate_pose()?;");
+            "pose.rows()"
+        } else {
+            let kind = format!("{}::{:?}", self.paths.runtime("TargetKind"), target_of(problem));
+            lines.line(format!("let target = target.validate_as({kind})?;"));
+            "target.numbers().array()"
+        };
         if let Some(numbers) = numbers {
-            lines.line(format!("let {numbers} = target.numbers().array();"));
+            lines.line(format!("let {numbers} = {source};"));
         }
         if let Some(free) = &free {
             lines.line(format!("let {free} = *free;"));
@@ -52,7 +58,9 @@ impl<'a> Printer<'a> {
             self.private("REACH"),
             self.private("WINDINGS")
         ));
-        body.steps(&mut lines, &function.steps, &|text, q| self.accept(text, q, problem, &body));
+        body.steps(&mut lines, &function.steps, &|text, candidate| {
+            self.accept(text, candidate, problem, &body)
+        });
         lines.line("search.finish()");
         let lines = lines.into_string();
 
@@ -92,11 +100,25 @@ impl<'a> Printer<'a> {
     }
 
     /// What is done with a candidate.
-    fn accept(&self, text: &mut Text, q: &[Scalar], problem: Option<&Problem>, body: &Body<'_>) {
-        let q = Expression::Array(q.iter().map(|value| body.leaves.expression(value)).collect());
+    fn accept(&self, text: &mut Text, candidate: &Candidate<'_>, problem: Option<&Problem>, body: &Body<'_>) {
+        let written = |scalars: &[Scalar]| -> Vec<Expression> {
+            scalars.iter().map(|value| body.leaves.expression(value)).collect()
+        };
+        let q = Expression::Array(written(candidate.q));
         text.gap();
         text.laid_out(&statement(text.indent(), "let q =", &q, ";"));
-        let tool = Expression::Atom("&forward_kinematics(&q)".to_owned());
+        let tool = if candidate.tool.is_empty() {
+            "&forward_kinematics(&q)"
+        } else {
+            let tool = self.frame(&written(candidate.tool));
+            text.laid_out(&statement(text.indent(), "let tool =", &tool, ";"));
+            "&tool"
+        };
+        if candidate.polish {
+            text.line(format!("search.accept_pose(q, {tool}, &pose, pose_and_jacobian);"));
+            return;
+        }
+        let tool = Expression::Atom(tool.to_owned());
         let errors = Expression::Call("target.errors".to_owned(), vec![tool]);
         let head = "let (position_error, rotation_error) =";
         text.laid_out(&statement(text.indent(), head, &errors, ";"));
@@ -186,6 +208,15 @@ impl Printer<'_> {
         let text = number(value.abs(), self.options.scalar, &self.paths);
         if value < 0.0 { Expression::Neg(Box::new(Expression::Atom(text))) } else { Expression::Atom(text) }
     }
+}
+
+/// Whether candidates are brought nearer to the pose.
+fn polishes(steps: &[Step]) -> bool {
+    steps.iter().any(|step| match step {
+        Step::Solve { body, .. } => polishes(body),
+        Step::Accept { polish, .. } => *polish,
+        Step::Let { .. } | Step::SinCos { .. } => false,
+    })
 }
 
 /// The name of the private function that solves a problem.

@@ -102,11 +102,11 @@ impl Derivation<'_, '_, '_> {
                         definitions.push(format!("{} = cos({angle})", names.cos));
                     }
                 }
-                Step::Solve { stage, root, equation, body } => {
+                Step::Solve { stage, root, equation, body, .. } => {
                     self.stage(*stage, *root, equation, &definitions);
                     self.steps(body);
                 }
-                Step::Accept { q } => self.joints(q),
+                Step::Accept { q, .. } => self.joints(q),
             }
         }
     }

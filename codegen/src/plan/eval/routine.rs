@@ -51,8 +51,12 @@ pub(super) enum Instruction {
     /// A named value is complete; for traces only.
     Named(Register),
     Solve(Box<Solve>),
-    /// A candidate: the registers of q.
-    Accept(Vec<Register>),
+    /// A candidate: the registers of q, and of the tool frame where there are any.
+    Accept {
+        q: Vec<Register>,
+        tool: Vec<Register>,
+        polish: bool,
+    },
 }
 
 /// For every root of an equation: the instructions of `body`.
@@ -60,6 +64,9 @@ pub(super) enum Instruction {
 pub(super) struct Solve {
     pub(super) stage: usize,
     pub(super) root: Register,
+    /// Whether the root is an angle, and where its sine and cosine go.
+    pub(super) angle: bool,
+    pub(super) sin_cos: Option<[Register; 2]>,
     pub(super) equation: Kernel,
     pub(super) body: Vec<Instruction>,
 }
@@ -68,6 +75,7 @@ pub(super) struct Solve {
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Kernel {
     Trig([Register; 3]),
+    TrigUnit([Register; 3], [Register; 2]),
     TrigPair([Register; 3], [Register; 3]),
     Linear([Register; 2]),
     Quadratic([Register; 3]),
