@@ -28,7 +28,9 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
     let excess = model.joints.len().saturating_sub(Target::Pose.rows());
     if !named && excess == 1 {
         match redundant(model) {
-            Ok((problem, derivation)) => functions.push(function(None, &problem, &derivation, true, constants)),
+            Ok((problem, derivation)) => {
+                functions.push(function(None, &problem, &derivation, true, constants))
+            }
             Err(refusal) => unsolved.push(Unsolved { problem: None, refusal }),
         }
     }
@@ -48,11 +50,8 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
         });
         match derived.get(at) {
             Some((problem, Ok(derivation))) => {
-                let polish = problem.target == Target::Pose
-                    && problem.constraints.is_empty()
-                    && index
-                        .and_then(|index| model.problems.get(index))
-                        .is_none_or(|own| own.filters.is_empty());
+                let index_of = index.and_then(|index| model.problems.get(index));
+                let polish = problem.is_whole_pose() && index_of.is_none_or(Problem::is_whole_pose);
                 functions.push(function(index, problem, derivation, polish, constants));
             }
             Some((_, Err(refusal))) => {
@@ -121,18 +120,17 @@ fn function(
             _ => None,
         })
         .collect();
-    let coefficients: Vec<Expr> =
-        derivation.stages.iter().flat_map(|stage| stage.equation.coefficients()).collect();
-    let computed: Vec<Expr> = coefficients.iter().chain(&derivation.tool).copied().collect();
     let target = inputs.len();
     inputs.extend(derivation.given.iter().cloned());
+    let coefficients = derivation.stages.iter().flat_map(|stage| stage.equation.coefficients());
+    let computed: Vec<Expr> = coefficients.chain(derivation.tool.iter().copied()).collect();
     let mut scheduler = Scheduler::new(arena, constants, &inputs, &computed);
     for (index, input) in derivation.inputs.iter().enumerate() {
         scheduler.bind(*input, super::ValueId(index));
     }
     scheduler.variables = (target..inputs.len()).map(super::ValueId).collect();
     // What depends on the given joints alone is the same in every branch.
-    scheduler.leaves_of(derivation.given.len(), &coefficients);
+    scheduler.leaves_of(derivation.given.len(), &computed);
     let mut steps = std::mem::take(&mut scheduler.steps);
     let stages = derivation.stages.iter().map(stage).collect();
     steps.extend(nested(&mut scheduler, derivation, polish, 0));

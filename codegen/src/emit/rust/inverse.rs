@@ -158,7 +158,10 @@ impl<'a> Printer<'a> {
             text.line(format!("search.accept_pose(q, {tool}, &pose, pose_and_jacobian);"));
             return;
         }
-        text.line(format!("let (position_error, rotation_error) = target.errors({tool});"));
+        let tool = Expression::Atom(tool.to_owned());
+        let errors = Expression::Call("target.errors".to_owned(), vec![tool]);
+        let head = "let (position_error, rotation_error) =";
+        text.laid_out(&statement(text.indent(), head, &errors, ";"));
         let filters = problem.map_or(&[][..], |problem| &problem.filters);
         if filters.is_empty() {
             text.line("search.accept(q, position_error, rotation_error);");

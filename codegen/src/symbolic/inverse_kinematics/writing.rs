@@ -37,12 +37,12 @@ pub(super) fn write(
             *name = format!("q{}", free.row + 1);
         }
     }
-    let rows = |variable: usize| match variable.checked_sub(given.len()) {
+    let by_rows = |variable: usize| match variable.checked_sub(given.len()) {
         Some(stage) => stages.get(stage).map(|stage| stage.rows.clone()),
         None => unknowns.given().find(|(_, given)| given.place == variable).map(|(free, _)| vec![free.row]),
     };
     for joint in &mut joints {
-        joint.terms.sort_by_key(|(variable, _)| rows(*variable));
+        joint.terms.sort_by_key(|(variable, _)| by_rows(*variable));
     }
     let rows: Vec<Linear> = unknowns.rows.iter().map(|form| linear(form, &free)).collect();
     let mut arena = writer.arena;
