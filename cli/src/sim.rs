@@ -52,7 +52,10 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
         DeviceKind::Dynamixel => Box::new(servos(&robot, settings)?.with_time_scale(scale)),
         DeviceKind::Mycobot => {
             let arm = program.interpreter().map_err(|error| robot.unusable(&error))?;
-            let model = mycobot::Model::of_baud(settings.baud);
+            let model = mycobot::Model::of_baud(settings.baud).ok_or_else(|| {
+                let message = format!("no myCobot has a line of {} bits per second", settings.baud);
+                Refusal::new("device", message).help("baud = 1000000 is a Pi's, 115200 an M5's")
+            })?;
             let simulated = SimulatedMyCobot::new(Box::new(arm), model)
                 .map_err(|error| Refusal::new("device", error.to_string()))?;
             Box::new(simulated.with_time_scale(scale))

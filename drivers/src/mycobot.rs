@@ -40,9 +40,13 @@ impl Model {
         }
     }
 
-    /// The model with a line of this rate: what is no Pi's is taken for an M5's.
-    pub const fn of_baud(baud: u32) -> Self {
-        if baud == Self::Pi.baud() { Self::Pi } else { Self::M5 }
+    /// The model with a line of this rate.
+    pub const fn of_baud(baud: u32) -> Option<Self> {
+        match baud {
+            1_000_000 => Some(Self::Pi),
+            115_200 => Some(Self::M5),
+            _ => None,
+        }
     }
 }
 
