@@ -4,7 +4,6 @@ python3 dynamixel.py PATH_OF_DHC
 """
 
 import os
-import sys
 import tempfile
 import termios
 import time
@@ -20,7 +19,7 @@ from dynamixel_sdk import (
     PortHandler,
 )
 
-from simulated import Simulated, equal
+from simulated import Simulated, equal, run
 
 TORQUE, PROFILE_VELOCITY, GOAL, MOVING, POSITION = 64, 112, 116, 122, 132
 
@@ -150,5 +149,4 @@ def cut(dhc):
 
 
 if __name__ == "__main__":
-    for session in (planar_arm, crane_x7, cut):
-        session(sys.argv[1])
+    run([planar_arm, crane_x7, cut])

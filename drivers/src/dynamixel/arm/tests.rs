@@ -6,7 +6,7 @@ use crate::dynamixel::control_table::{
 };
 use crate::dynamixel::{Bus, ServoSpec, SimulatedBus, Timing};
 use crate::motion::Command;
-use crate::simulate::{Faults, Faulty, SimulatedDevice, SimulatedPort};
+use crate::simulate::{Faults, Faulty, Injected, SimulatedDevice, SimulatedPort};
 use dh_runtime::{JointKind, Limits};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -235,6 +235,62 @@ fn comes_back_when_the_device_does() {
     assert_eq!(bench.arm.send(&command([0.3, 0.0])).unwrap_err().cause, Cause::Interrupted);
     bench.arm.torque(true).unwrap();
     bench.stream([0.3, 0.0], [0.0, 0.0]).unwrap();
+}
+
+/// 10,000 commands and readings on a line where 5 % of all frames suffer: readings are right, nothing takes longer than
+/// it may, and whenever the driver gives up the arm comes to rest and stays there.
+#[test]
+fn a_bad_line_leads_nobody_astray() {
+    for (seed, delay) in [(5, 25), (6, 120)] {
+        let mut bench = Bench::new();
+        bench.device().faults = Faults::evenly(0.05, Duration::from_millis(delay));
+        bench.device().injected = Injected::default();
+        bench.device().seed(seed);
+        let (mut given_up, mut readings) = (0, 0);
+        let mut step = 0;
+        while step < 5_000 {
+            step += 1;
+            let (before, angle) = (bench.clock.now(), f64::from(step) / 100.0);
+            let q = [0.8 * angle.sin(), 0.5 * (1.3 * angle).sin()];
+            let outcome = bench.arm.send(&command(q)).and_then(|()| bench.arm.read_state());
+            let took = bench.clock.now() - before;
+            // Reading, giving up and stopping: six exchanges of three attempts at the most.
+            assert!(took < Duration::from_secs(2), "{took:?}");
+            bench.clock.sleep_until(before + Duration::from_millis(10));
+            match outcome {
+                Ok(state) => {
+                    readings += 1;
+                    let really = bench.q();
+                    for (joint, really) in state.joints.iter().zip(really) {
+                        // At most 2.4 rad/s since the reading was taken.
+                        assert!((joint.position - really).abs() < 0.02 + 2.4 * took.as_secs_f64() + 0.024);
+                    }
+                }
+                Err(error) => {
+                    given_up += 1;
+                    bench.clock.advance(Duration::from_secs(1));
+                    let rest = bench.q();
+                    assert!(bench.at_rest(), "after {error}");
+                    bench.clock.advance(Duration::from_secs(1));
+                    assert_eq!(bench.q(), rest, "after {error}");
+                    assert_eq!(
+                        bench.arm.send(&command(q)).unwrap_err().cause,
+                        Cause::Interrupted,
+                        "after {error}"
+                    );
+                    while bench.arm.torque(true).is_err() {}
+                    // Back to the path, slowly enough.
+                    let held = [rest[0], rest[1]];
+                    while bench.stream(held, q).is_err() {
+                        while bench.arm.torque(true).is_err() {}
+                    }
+                }
+            }
+        }
+        let injected = bench.device().injected;
+        println!("late up to {delay} ms: {readings} readings, given up {given_up} times, {injected:?}");
+        assert!(injected.total() > 500 && readings > 4_900 && given_up < 100);
+    }
 }
 
 #[test]
