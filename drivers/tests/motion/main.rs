@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "tests")]
 
 mod checked;
+mod devices;
 mod memory;
 mod profile;
 mod robot;
@@ -14,6 +15,9 @@ struct MyCobot;
 
 #[dh_robot("planar2r")]
 struct Planar;
+
+#[dh_robot("crane_x7")]
+struct CraneX7;
 
 #[dh_robot("crane_x7_2r")]
 struct Crane;
