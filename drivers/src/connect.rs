@@ -17,6 +17,13 @@ use std::sync::{Arc, Mutex};
 pub enum ConnectError {
     /// A joint can't be moved by this device.
     Map(MapError),
+    /// The line's rate belongs to none of the arms that the driver is for.
+    Baud {
+        /// The driver.
+        kind: DeviceKind,
+        /// Bits per second.
+        baud: u32,
+    },
     /// The device doesn't answer as it should.
     Driver(DriverError),
 }
@@ -38,7 +45,7 @@ pub fn connect(
             Box::new(arm.map_err(ConnectError::Driver)?)
         }
         DeviceKind::Mycobot => {
-            let model = mycobot::Model::of_baud(baud);
+            let model = mycobot::Model::of_baud(baud).ok_or(ConnectError::Baud { kind, baud })?;
             Box::new(mycobot::MyCobot::new(port, joints, model).map_err(ConnectError::Map)?)
         }
     })
@@ -83,6 +90,9 @@ impl fmt::Display for ConnectError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Map(error) => error.fmt(f),
+            Self::Baud { kind, baud } => {
+                write!(f, "no {} has a line of {baud} bits per second", kind.name())
+            }
             Self::Driver(error) => error.fmt(f),
         }
     }
