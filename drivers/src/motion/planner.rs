@@ -13,7 +13,7 @@ use super::profile::Profile;
 use super::refusal::{JointName, Reason, Refusal, Sample};
 use super::timing;
 use crate::driver::{JointMap, Pace};
-use dh_runtime::{Kinematics, Target};
+use dh_runtime::{Joint, Kinematics, Limits, Rules, SumLimit, Target};
 use std::fmt;
 use std::time::Duration;
 
@@ -122,7 +122,8 @@ impl<'k> Planner<'k> {
                 return Err(Reason::Setting { what, value }.of_step(step));
             }
         }
-        self.allowed(start).map_err(|reason| reason.at(step, Sample { index: 0, count: 1, part: 0.0 }))?;
+        self.may_begin(start, asked)
+            .map_err(|reason| reason.at(step, Sample { index: 0, count: 1, part: 0.0 }))?;
         let (course, goals) = self.course(start, asked, step)?;
         let needed = course.duration();
         if let Some(allowed) = asked.within.filter(|allowed| needed > *allowed) {
@@ -197,7 +198,7 @@ impl<'k> Planner<'k> {
             let (positions, velocities) = course.at(time);
             let sample = Sample { index, count: count + 1, part: index as f64 / count as f64 };
             let refused = |reason: Reason| reason.at(step, sample);
-            let positions = self.on_the_way(positions).map_err(refused)?;
+            let positions = self.on_the_way(positions, start).map_err(refused)?;
             self.not_too_fast(&before, &positions, period).map_err(refused)?;
             clearance::check(&self.arm, &before, &positions).map_err(Reason::Forbidden).map_err(refused)?;
             before.clone_from(&positions);
@@ -217,7 +218,8 @@ impl<'k> Planner<'k> {
                 let part = (then + part * (time - then)) / course.duration().max(f64::MIN_POSITIVE);
                 Sample { index: place + 1, count: times.len() + 1, part }
             };
-            let positions = self.on_the_way(positions).map_err(|reason| reason.at(step, sample(1.0)))?;
+            let positions =
+                self.on_the_way(positions, start).map_err(|reason| reason.at(step, sample(1.0)))?;
             let pieces = ((time - then) / CHECK_PERIOD).ceil().max(1.0) as usize;
             let mut here = before.clone();
             for piece in 1..=pieces {
@@ -225,7 +227,7 @@ impl<'k> Planner<'k> {
                 let next =
                     before.iter().zip(&positions).map(|(from, to)| from + part * (to - from)).collect();
                 let refused = |reason: Reason| reason.at(step, sample(part));
-                let next = self.on_the_way(next).map_err(refused)?;
+                let next = self.on_the_way(next, start).map_err(refused)?;
                 clearance::check(&self.arm, &here, &next).map_err(Reason::Forbidden).map_err(refused)?;
                 here = next;
             }
@@ -287,6 +289,18 @@ impl<'k> Planner<'k> {
         places
     }
 
+    /// Whether a move may begin there. One of all joints at once may lead out of what is forbidden; a path is solved, and
+    /// solutions keep all limits and rules.
+    fn may_begin(&self, start: &[f64], asked: &Move) -> Result<(), Reason> {
+        match (self.allowed(start), &asked.goal) {
+            (
+                Err(Reason::OutsideLimits { .. } | Reason::Forbidden(_)),
+                Goal::Joints(_) | Goal::Nearest { .. },
+            ) => Ok(()),
+            (outcome, _) => outcome,
+        }
+    }
+
     /// Whether the arm may stand there.
     fn allowed(&self, q: &[f64]) -> Result<(), Reason> {
         match self.arm.check(q) {
@@ -299,8 +313,8 @@ impl<'k> Planner<'k> {
     }
 
     /// Joint values of a sample on the way: limits and sums, with joints that rounding has brought beyond their limits
-    /// on them.
-    fn on_the_way(&self, q: Vec<f64>) -> Result<Vec<f64>, Reason> {
+    /// on them. Limits and sums that are broken where the move starts may be so on the way, but by no more than there.
+    fn on_the_way(&self, q: Vec<f64>, start: &[f64]) -> Result<Vec<f64>, Reason> {
         let mut q = q;
         for (value, joint) in q.iter_mut().zip(self.arm.joints()) {
             if let Some(limits) = joint.limits {
@@ -311,9 +325,26 @@ impl<'k> Planner<'k> {
             }
         }
         // The tool point is for `clearance`, which knows how far it may stray on the way.
-        let rules = dh_runtime::Rules { bounds: &[], keep_out: &[], ..self.arm.rules() };
-        let violation = rules.violations(&q, [0.0; 3]).iter().next();
-        violation.map_or(Ok(q), |violation| Err(violation.into()))
+        let all = self.arm.rules();
+        let widened =
+            |limits: Limits, start: f64| Limits { min: limits.min.min(start), max: limits.max.max(start) };
+        let joints: Vec<Joint<'_>> = all
+            .joints
+            .iter()
+            .zip(start)
+            .map(|(joint, start)| Joint {
+                limits: joint.limits.map(|limits| widened(limits, *start)),
+                ..*joint
+            })
+            .collect();
+        let sums: Vec<SumLimit<'_>> = all
+            .sums
+            .iter()
+            .map(|sum| SumLimit { range: widened(sum.range, sum.value(start)), ..*sum })
+            .collect();
+        let rules = Rules { joints: &joints, sums: &sums, bounds: &[], keep_out: &[], ..all };
+        let violation: Option<Reason> = rules.violations(&q, [0.0; 3]).iter().next().map(Reason::from);
+        violation.map_or(Ok(q), Err)
     }
 
     /// Whether all joints can get from one sample to the next in this time (s).

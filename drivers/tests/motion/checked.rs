@@ -88,7 +88,7 @@ fn is_allowed(arm: &dyn Kinematics, q: &[f64]) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(600))]
+    #![proptest_config(ProptestConfig::with_cases(250))]
 
     #[test]
     fn joint_moves_keep_limits_rules_and_speeds_or_are_refused_for_cause(
@@ -284,4 +284,30 @@ fn servos_that_reach_less_than_the_joint_bound_the_motion() {
 #[test]
 fn a_driver_of_another_table_is_refused() {
     assert!(Planner::new(&Planar, &JointMap::of_table(&Cell).unwrap(), every(10)).is_err());
+}
+
+#[test]
+fn out_of_what_is_forbidden_the_arm_may_go_but_no_deeper() {
+    for pace in [every(10), Pace::PointToPoint] {
+        let planner = planner(&Cell, pace);
+        // The tool point 50 mm under the floor, and the wrist bent beyond what its servo reaches.
+        let (under, bent) = ([0.5, -0.6, 0.0], [0.5, 1.0, -2.5]);
+        assert!(depth(&Cell, &under) > 0.05);
+        let reach = [0.5, 1.0, 0.0];
+        for start in [under, bent] {
+            planner.plan(&start, &[Move::joints(&reach)]).unwrap();
+        }
+        let deeper = planner.plan(&under, &[Move::joints(&[0.5, -0.7, 0.0])]).unwrap_err();
+        assert!(matches!(deeper.reason, Reason::Forbidden(Rule::Bound { .. })), "{deeper}");
+        // The way out leads further down first, though it ends above.
+        let through = planner.plan(&under, &[Move::joints(&[0.5, -0.6, 2.5])]);
+        let lowest = (0..=100).map(|i| depth(&Cell, &[0.5, -0.6, 0.025 * f64::from(i)])).fold(0.0, f64::max);
+        assert_eq!(through.is_ok(), lowest <= depth(&Cell, &under) && is_allowed(&Cell, &[0.5, -0.6, 2.5]));
+        let inside = planner.plan(&under, &[Move::joints(&[0.5, -0.6, -1.0]), Move::joints(&reach)]);
+        assert!(inside.is_err(), "a move may not end there");
+        let further = planner.plan(&bent, &[Move::joints(&[0.5, 1.0, -2.55])]).unwrap_err();
+        assert!(matches!(further.reason, Reason::OutsideLimits { .. }), "{further}");
+        let line = Move::line("position", Target::Position([0.4, 0.2, 0.3]));
+        assert!(planner.plan(&under, &[line]).is_err(), "lines are for arms that stand where they may");
+    }
 }
