@@ -519,11 +519,7 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 }
 
 /// Every solution of the full pose.
-#[allow(
-    clippy::similar_names,
-    clippy::too_many_lines,
-    reason = "the names are those of the equations"
-)]
+#[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Length);
@@ -572,11 +568,8 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
                         let xz4 = c4 * t5 - s4 * t6;
 
                         // theta6: c6 = xx5_2; s6 = xz4 (rows 1 and 2 of the x axis in frame 5)
-                        let mut roots = search.trig_pair(
-                            THETA6,
-                            [1.0, 0.0, xx5_2],
-                            [0.0, 1.0, xz4],
-                        );
+                        let mut roots =
+                            search.trig_pair(THETA6, [1.0, 0.0, xx5_2], [0.0, 1.0, xz4]);
                         while let Some((theta6, s6, c6)) = search.next_angle(&mut roots) {
                             let t7 = c1 * c2;
                             let t8 = s1 * s4 - t7 * c4;
