@@ -138,7 +138,7 @@ impl Chart {
     }
 
     /// The joint of the arm at a place of the circuit.
-    const fn place(&self, along: usize) -> usize {
+    const fn place(self, along: usize) -> usize {
         let first = self.dropped as usize % JOINTS;
         if self.backward { (first + JOINTS - along) % JOINTS } else { (first + along) % JOINTS }
     }
@@ -222,7 +222,7 @@ impl SixJoints<'_> {
                 let moved = moved.fold(0.0, |most, x| if x > most { x } else { most });
                 outcome.moved = if moved > outcome.moved { moved } else { outcome.moved };
                 hit |= moved <= FAR;
-                if known.iter().take(count).any(|other| same(other, &solution.q, &self.prismatic)) {
+                if known.iter().take(count).any(|other| same(other, &solution.q, self.prismatic, SAME)) {
                     // Two roots have gone to one solution: another may have none.
                     outcome.doubtful = true;
                 } else if let Some(place) = known.get_mut(count) {
@@ -262,7 +262,7 @@ impl SixJoints<'_> {
     fn circuit(&self, chart: Chart, pose: &Frame) -> Circuit {
         let [before, first, second, third, fourth, fifth, after] = self.links;
         let closing = after.compose(&pose.inverse()).compose(&before);
-        Circuit::new(&[first, second, third, fourth, fifth, closing], &self.prismatic, chart)
+        Circuit::new(&[first, second, third, fourth, fifth, closing], self.prismatic, chart)
     }
 
     fn in_reaches(&self, pose: &Frame) -> Frame {
@@ -293,10 +293,10 @@ const STEPS: usize = 40;
 const SAME: f64 = 1e-9;
 
 /// Whether two sets of joint values are one but for whole turns.
-fn same(a: &[f64; JOINTS], b: &[f64; JOINTS], prismatic: &[bool; JOINTS]) -> bool {
+pub(crate) fn same(a: &[f64; JOINTS], b: &[f64; JOINTS], prismatic: [bool; JOINTS], tolerance: f64) -> bool {
     a.iter().zip(b).zip(prismatic).all(|((a, b), slides)| {
-        let apart = if *slides { a - b } else { crate::Float::wrap_angle(a - b) };
-        libm::fabs(apart) <= SAME
+        let apart = if slides { a - b } else { crate::Float::wrap_angle(a - b) };
+        libm::fabs(apart) <= tolerance
     })
 }
 

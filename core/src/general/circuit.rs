@@ -19,7 +19,7 @@ pub(super) struct Circuit {
 
 impl Circuit {
     /// From the links that stand after each joint of the arm, the last of which closes the chain.
-    pub(super) fn new(links: &[Frame; JOINTS], prismatic: &[bool; JOINTS], chart: Chart) -> Self {
+    pub(super) fn new(links: &[Frame; JOINTS], prismatic: [bool; JOINTS], chart: Chart) -> Self {
         let mut circuit = Self {
             links: [Frame::IDENTITY; JOINTS],
             prismatic: [false; JOINTS],
@@ -123,9 +123,11 @@ fn thirds(prismatic: bool) -> [Motion; 3] {
     if prismatic {
         return [0.0, 1.0, -1.0].map(|value| Motion::new(true, value));
     }
-    const SIN: f64 = 0.866_025_403_784_438_6;
-    [Motion::turned(1.0, 0.0), Motion::turned(-0.5, SIN), Motion::turned(-0.5, -SIN)]
+    [Motion::turned(1.0, 0.0), Motion::turned(-0.5, SIN_THIRD), Motion::turned(-0.5, -SIN_THIRD)]
 }
+
+/// The sine of a third of a turn.
+const SIN_THIRD: f64 = 0.866_025_403_784_438_6;
 
 /// An offset, a quarter turn from there, and half a turn from there; 0, 1 and -1 for a slide.
 fn quarters(prismatic: bool, offset: f64) -> [Motion; 3] {

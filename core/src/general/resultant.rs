@@ -97,25 +97,14 @@ impl Resultant {
             if hidden {
                 return None;
             }
-            let combine = |f: &dyn Fn(f64, f64, f64) -> f64| {
-                let mut block = [[0.0; 3]; 3];
-                for (((place, a), b), c) in block.iter_mut().zip(at0).zip(at1).zip(at2) {
-                    for (((place, a), b), c) in place.iter_mut().zip(a).zip(b).zip(c) {
-                        *place = f(a, b, c);
-                    }
-                }
-                block
-            };
-            let [constant, cosine, sine] = &mut parts;
-            let list: [(&mut Block, &dyn Fn(f64, f64, f64) -> f64); 3] = [
-                (constant, &|a, _, c| (a + c) / 2.0),
-                (cosine, &|a, _, c| (a - c) / 2.0),
-                (sine, &|a, b, c| b - (a + c) / 2.0),
-            ];
-            for (block, f) in list {
-                if let Some(place) = block.get_mut(k) {
-                    *place = combine(f);
-                }
+            let places = parts.iter_mut().filter_map(|block| block.get_mut(k)).flatten().flatten();
+            let samples = at0.as_flattened().iter().zip(at1.as_flattened()).zip(at2.as_flattened());
+            // Constant parts first, then those with the cosine, then those with the sine.
+            let constant = samples.clone().map(|((a, _), c)| f64::midpoint(*a, *c));
+            let cosine = samples.clone().map(|((a, _), c)| f64::midpoint(*a, -*c));
+            let sine = samples.map(|((a, b), c)| b - f64::midpoint(*a, *c));
+            for (place, value) in places.zip(constant.chain(cosine).chain(sine)) {
+                *place = value;
             }
         }
         let factors =
@@ -314,7 +303,11 @@ fn order(samples: [[[f64; 3]; 3]; 3], chart: Chart) -> [[[f64; 3]; 3]; 3] {
 /// From samples at an angle, a quarter turn and half a turn further (at 0, 1 and -1 of a slide) to the coefficients of 1,
 /// t, t²: of the half-angle tangent, after multiplication by 1 + t² (of the slide itself).
 fn powers([f0, f1, f2]: [f64; 3], prismatic: bool) -> [f64; 3] {
-    if prismatic { [f0, (f1 - f2) / 2.0, (f1 + f2) / 2.0 - f0] } else { [f0, 2.0 * f1 - f0 - f2, f2] }
+    if prismatic {
+        [f0, f64::midpoint(f1, -f2), f64::midpoint(f1, f2) - f0]
+    } else {
+        [f0, 2.0 * f1 - f0 - f2, f2]
+    }
 }
 
 const UNITY: [[f64; 2]; 3] = [[1.0, 0.0], [0.0; 2], [0.0; 2]];

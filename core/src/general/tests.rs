@@ -1,4 +1,4 @@
-use super::{Chart, JOINTS, SixJoints};
+use super::{Chart, GeneralArm, JOINTS, SixJoints};
 use crate::Frame;
 use std::vec::Vec;
 
@@ -134,55 +134,83 @@ fn arms() -> Vec<(&'static str, [[f64; 3]; 6])> {
     ]
 }
 
-#[test]
-#[ignore = "a survey"]
-fn survey() {
-    let count = std::env::var("POSES").ok().and_then(|n| n.parse().ok()).unwrap_or(300);
-    let only = std::env::var("ARM").unwrap_or_default();
-    for (name, rows) in arms() {
-        if !name.starts_with(&only) {
-            continue;
+/// Arms of all kinds with the charts that the compiler chooses for them.
+fn cases() -> Vec<(&'static str, [[f64; 3]; 6], [Chart; 3])> {
+    let line = Chart::new(1, true, 0, true, false, 8);
+    let (near, far) = (Chart::new(1, true, 1, true, true, 8), Chart::new(4, false, 2, true, true, 8));
+    let charts = |name: &str| match name {
+        "manseur" => [
+            Chart::new(4, false, 1, false, false, 12),
+            Chart::new(4, false, 2, false, false, 12),
+            Chart::new(1, true, 1, false, false, 12),
+        ],
+        name if name.starts_with("gen") => {
+            [line, Chart::new(4, false, 0, false, false, 8), Chart { degree: 12, divided: false, ..far }]
         }
-        for (dropped, backward) in [(1, true), (4, false)] {
-            for hidden in 0..3 {
-                for swapped in [false, true] {
-                    for (divided, degree) in [(true, 8), (false, 12)] {
-                        if divided == (hidden == 0) {
-                            continue;
-                        }
-                        let degree = if hidden == 0 { 8 } else { degree };
-                        let chart = Chart::new(dropped, backward, hidden, swapped, divided, degree);
-                        let charts = [chart];
-                        let arm = arm(rows, &charts);
-                        let mut random = Random(11);
-                        let (mut found, mut doubtful, mut solutions, mut lost) = (0, 0, 0, 0);
-                        let start = std::time::Instant::now();
-                        for _ in 0..count {
-                            let q = random.joints();
-                            let pose = fk(&arm, &q);
-                            let mut list: Vec<[f64; 6]> = Vec::new();
-                            let outcome = arm.solve(&pose, |solution| {
-                                if list.iter().all(|other| apart(other, &solution.q) > 1e-6) {
-                                    list.push(solution.q);
-                                }
-                            });
-                            let hit = list.iter().any(|other| apart(other, &q) < 1e-7);
-                            found += usize::from(hit);
-                            doubtful += usize::from(outcome.doubtful);
-                            lost += usize::from(!hit && !outcome.doubtful);
-                            solutions += list.len();
-                        }
-                        let time = start.elapsed().as_secs_f64() / count as f64 * 1e6;
-                        std::println!(
-                            "{name:8} drop {} hid {} {} deg {degree} found {found}/{count} doubtful {doubtful} lost {lost} solutions {:.3} {time:.1} us",
-                            dropped + 1,
-                            chart.unknown() + 1,
-                            u8::from(swapped),
-                            f64::from(solutions as u32) / count as f64
-                        );
-                    }
-                }
-            }
+        _ => [far, near, Chart::new(4, false, 0, false, false, 8)],
+    };
+    arms().into_iter().map(|(name, rows)| (name, rows, charts(name))).collect()
+}
+
+#[test]
+fn the_joints_that_a_pose_was_made_from_are_found() {
+    for (name, rows, charts) in cases() {
+        let arm = arm(rows, &charts);
+        let mut random = Random(11);
+        for _ in 0..150 {
+            let q = random.joints();
+            let pose = fk(&arm, &q);
+            let mut nearest = f64::INFINITY;
+            arm.solve(&pose, |solution| {
+                let (position, rotation) = crate::Target::Pose(pose).errors(&fk(&arm, &solution.q));
+                let worst = (position / arm.reach).max(rotation);
+                assert!(worst <= 2e-10, "{name} at {q:?}: {worst:e}");
+                nearest = nearest.min(apart(&solution.q, &q));
+            });
+            assert!(nearest < 1e-7, "{name}: {q:?} is {nearest:e} away");
         }
     }
+}
+
+#[test]
+fn attainable_poses_of_the_lattice_have_solutions() {
+    for (name, rows, charts) in cases() {
+        let arm = arm(rows, &charts);
+        let mut random = Random(5);
+        for _ in 0..30 {
+            let q = [0; 6].map(|_| H * libm::floor(random.next(-1.0, 3.0)));
+            let pose = fk(&arm, &q);
+            let mut count = 0;
+            arm.solve(&pose, |_| count += 1);
+            assert!(count > 0, "{name}: none at {q:?}");
+        }
+    }
+}
+
+#[test]
+fn a_pose_out_of_reach_has_none() {
+    for (name, rows, charts) in cases() {
+        let arm = arm(rows, &charts);
+        let mut pose = fk(&arm, &[0.3, 0.4, 0.5, 0.6, 0.7, 0.8]);
+        pose.translation = [2.0 * arm.reach, 0.0, 0.0];
+        let mut count = 0;
+        arm.solve(&pose, |_| count += 1);
+        assert_eq!(count, 0, "{name}");
+    }
+}
+
+#[test]
+fn given_joints_become_part_of_the_links() {
+    let (_, rows, charts) = cases().remove(7);
+    let six = arm(rows, &charts);
+    let [l0, l1, l2, l3, l4, l5, l6] = six.links;
+    let middle = turn(0.4) * l3;
+    let links = [l0, l1, l2, Frame::IDENTITY, middle, l4, l5, l6];
+    let seven =
+        GeneralArm { links: &links, prismatic: &[false; 7], given: &[3], reach: six.reach, charts: &charts };
+    let folded = seven.six(&[-0.4]);
+    let q = [0.1, -0.2, 0.3, -0.4, 0.5, -0.6];
+    let tips = folded.map(|folded| (folded.tip(&q), six.tip(&q)));
+    assert!(tips.is_some_and(|(one, other)| crate::Target::Pose(one).errors(&other).0 < 1e-15));
+    assert!(seven.six(&[]).is_none());
 }

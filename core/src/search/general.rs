@@ -1,13 +1,13 @@
 //! Chains without a closed form: all joints at once.
 
 use super::Search;
-use crate::general::{GeneralArm, JOINTS};
+use crate::general::{GeneralArm, JOINTS, same};
 use crate::{Float, Frame, IkError, Step, Target};
 
 /// How many candidates are kept: the sixteen solutions that six joints can have, and what double roots add.
 const MAX_CANDIDATES: usize = 64;
 
-/// Two candidates that are nearer than this (rad, reaches) are one.
+/// Two candidates that are nearer than this (rad; m, in an arm of 1 m) are one.
 const SAME: f64 = 1e-6;
 
 /// Values of six joints each.
@@ -55,11 +55,13 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             rotation: pose.rotation.map(|row| row.map(Float::to_f64)),
             translation: pose.translation.map(Float::to_f64),
         };
+        // Angles are compared in rad, slides in m.
+        let scale = if arm.reach < 1.0 { arm.reach } else { 1.0 };
         let mut list = [[0.0; JOINTS]; MAX_CANDIDATES];
         let mut len = 0;
         let outcome = six.solve(&pose, |solution| {
             let known =
-                list.iter().take(len).any(|other| same(other, &solution.q, &six.prismatic, arm.reach));
+                list.iter().take(len).any(|other| same(other, &solution.q, six.prismatic, SAME * scale));
             if let Some(place) = list.get_mut(len).filter(|_| !known) {
                 *place = solution.q;
                 len += 1;
@@ -75,11 +77,4 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         }
         candidates
     }
-}
-
-fn same(a: &[f64; JOINTS], b: &[f64; JOINTS], prismatic: &[bool; JOINTS], reach: f64) -> bool {
-    a.iter().zip(b).zip(prismatic).all(|((a, b), slides)| {
-        let apart = if *slides { (a - b) / reach } else { Float::wrap_angle(a - b) };
-        Float::abs(apart) <= SAME
-    })
 }
