@@ -20,7 +20,8 @@ use std::time::Duration;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// From one command of a stream to the next; left out, as often as the line's rate allows, 100 times a second at
-    /// most.
+    /// most. USB adapters that keep bytes for 16 ms, as many do until their latency timer is set to 1 ms, do not allow
+    /// that.
     pub period: Option<Duration>,
     /// The watchdog of a move for which [`Driver::watchdog`] was not called.
     pub watchdog: Duration,
