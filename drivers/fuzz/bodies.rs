@@ -1,12 +1,16 @@
 //! What must hold of the drivers' parsers whatever the bytes: bodies of the fuzz targets, and of `tests/fuzz.rs`.
 #![allow(dead_code, reason = "every fuzz target uses one of them")]
+#![allow(clippy::expect_used, reason = "a panic is what is looked for")]
 
 use dh_drivers::clock::{Clock, Time, VirtualClock};
+use dh_drivers::driver::{Driver, JointMap};
 use dh_drivers::dynamixel::control_table::{MODELS, REGISTERS};
 use dh_drivers::dynamixel::packet::{BROADCAST, Decoder, MAX_LENGTH, Packet, STATUS};
 use dh_drivers::dynamixel::status::Status;
 use dh_drivers::dynamixel::{Bus, ServoSpec, SimulatedBus, Timing};
+use dh_drivers::mycobot::{self, FrameReader, MyCobot, Reply, SimulatedMyCobot};
 use dh_drivers::simulate::{SimulatedDevice, SimulatedPort};
+use dh_runtime::dh_robot;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -117,4 +121,96 @@ pub(crate) fn dynamixel_servos(bytes: &[u8]) {
     }
     bus.advance(now + Duration::from_secs(5));
     assert!(bus.servos().iter().all(|servo| servo.position().is_finite()));
+}
+
+/// Any arm of six joints.
+#[dh_robot("mycobot")]
+struct SixJoints;
+
+/// Frames are the same however the stream is cut, come back from their own bytes, and no byte is lost or counted twice.
+pub(crate) fn mycobot_frames(bytes: &[u8]) {
+    let mut reader = FrameReader::default();
+    reader.push(bytes);
+    let found: Vec<_> = std::iter::from_fn(|| reader.next_frame()).collect();
+    let mut in_pieces = FrameReader::default();
+    let mut found_in_pieces = Vec::new();
+    for piece in bytes.chunks(3) {
+        in_pieces.push(piece);
+        found_in_pieces.extend(std::iter::from_fn(|| in_pieces.next_frame()));
+    }
+    assert_eq!(found, found_in_pieces);
+    let rest: Vec<_> = std::iter::from_fn(|| reader.next_after_gap()).collect();
+    assert_eq!(reader.pending(), 0);
+    let framed: usize = found.iter().chain(&rest).map(|frame| frame.encode().len()).sum();
+    assert_eq!(framed + reader.skipped() as usize, bytes.len());
+    for frame in found.into_iter().chain(rest) {
+        let mut again = FrameReader::default();
+        again.push(&frame.encode());
+        assert_eq!(again.next_frame().as_ref(), Some(&frame));
+        for command in mycobot::Command::ALL {
+            let Ok(reply) = Reply::to(*command, frame.clone()) else { continue };
+            assert_eq!(frame.command, *command as u8);
+            let angles = reply.angles().is_ok_and(|angles| angles.iter().any(|angle| angle.abs() > 327.68));
+            assert!(!angles);
+            let _ = (reply.flag(), reply.word(), reply.coordinates(), reply.angles_and_coordinates());
+            let _ = (reply.joint_limit(), reply.version(), reply.bytes::<6>());
+        }
+    }
+}
+
+/// Whatever is answered, calls end in time, and what is believed is what a joint can have.
+pub(crate) fn mycobot_driver(bytes: &[u8]) {
+    let clock = Arc::new(VirtualClock::new());
+    // The port must be 'static; so must what it answers.
+    let bytes: &'static [u8] = Box::leak(bytes.to_vec().into_boxed_slice());
+    let device = Arc::new(Mutex::new(Parrot(bytes, Vec::new())));
+    let port = SimulatedPort::new(device, clock.clone());
+    let joints = JointMap::of_table(&SixJoints).expect("six joints with servos");
+    let mut driver = MyCobot::new(Box::new(port), joints, mycobot::Model::Pi).expect("a myCobot's joints");
+    let mut within = |seconds: u64, call: &dyn Fn(&mut MyCobot)| {
+        let start = clock.now();
+        call(&mut driver);
+        assert!(clock.now() - start <= Duration::from_secs(seconds));
+    };
+    within(7, &|driver| {
+        if let Ok(state) = driver.read_state() {
+            for (joint, (min, max)) in state.joints.iter().zip(mycobot::ANGLES) {
+                let widest = (max - min).to_radians();
+                assert!(joint.position.is_finite() && joint.position.abs() <= widest, "{joint:?}");
+            }
+        }
+    });
+    within(7, &|driver| {
+        let _ = driver.coordinates();
+    });
+    within(7, &|driver| {
+        let _ = driver.set_color([1, 2, 3]);
+    });
+    within(13, &|driver| {
+        let _ = driver.torque(true);
+    });
+    within(3, &|driver| {
+        let _ = driver.stop();
+    });
+}
+
+/// Whatever it is sent, the arm answers sound frames or nothing, and is somewhere.
+pub(crate) fn mycobot_arm(bytes: &[u8]) {
+    let arm = SimulatedMyCobot::new(Box::new(SixJoints), mycobot::Model::M5);
+    let mut arm = arm.expect("six joints with servos");
+    let mut now = Time::START;
+    let mut reader = FrameReader::default();
+    for piece in bytes.chunks(16) {
+        now += Duration::from_millis(33);
+        arm.receive(piece, now);
+        while let Some(time) = arm.next_send() {
+            now = now.max(time);
+            while let Some(sent) = arm.send(now) {
+                reader.push(&sent);
+                assert!(reader.next_frame().is_some() && reader.pending() == 0 && reader.skipped() == 0);
+            }
+        }
+    }
+    arm.advance(now + Duration::from_secs(60));
+    assert!(arm.positions().iter().all(|q| q.is_finite()), "{arm:?}");
 }

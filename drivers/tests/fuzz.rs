@@ -82,3 +82,18 @@ fn dynamixel_bus() {
 fn dynamixel_servos() {
     run("dynamixel_servos", bodies::dynamixel_servos, 20_000);
 }
+
+#[test]
+fn mycobot_frames() {
+    run("mycobot_frames", bodies::mycobot_frames, 100_000);
+}
+
+#[test]
+fn mycobot_driver() {
+    run("mycobot_driver", bodies::mycobot_driver, 2_000);
+}
+
+#[test]
+fn mycobot_arm() {
+    run("mycobot_arm", bodies::mycobot_arm, 20_000);
+}
