@@ -171,12 +171,15 @@ impl<'k> Planner<'k> {
                 let Some(path) = self.path(start, through).map_err(|reason| reason.of_step(step))? else {
                     return to(start);
                 };
+                let end = Sample { index: 1, count: 2, part: 1.0 };
+                // An end that can't be reached says more than the place where the way there breaks off.
+                nearest(&self.arm, problem, &path.at(path.length()), start)
+                    .map_err(|reason| reason.at(step, end))?;
                 let first = follow::onto(&self.arm, problem, &path, start);
                 let first =
                     first.map_err(|reason| reason.at(step, Sample { index: 0, count: 1, part: 0.0 }))?;
                 let mut courses = if first == start { Vec::new() } else { to(&first)? };
                 let joints = joints_along(&self.arm, problem, &path, &first, step)?;
-                let end = Sample { index: joints.knots().len(), count: joints.knots().len(), part: 1.0 };
                 let goal = joints.values().last().map_or(start, Vec::as_slice);
                 self.allowed(goal).map_err(|reason| reason.at(step, end))?;
                 let timing = timing::along(&self.arm, &dynamics, &joints, asked.speed, asked.part, step)?;
