@@ -44,7 +44,7 @@ fn wrong_input() {
         ("check-pose scara --joints 0", "the joints are J1, J2, J3, J4"),
         (
             "ik mycobot --problem up --position 1,2,3",
-            "no inverse problem `up`\nhelp: --problem takes tool_down",
+            "no inverse problem `up`\nhelp: --problem takes pose, tool_down",
         ),
         ("ik mycobot --problem tool_down --position 1,inf,3", "infinite or NaN"),
         ("ik mycobot --problem tool_down --position 1,2,3 --near 0", "1 joint values where 6 are needed"),

@@ -2,10 +2,13 @@
 //! accepted or refused, and where nothing is found the failure that came furthest says why.
 
 mod conditions;
+mod free;
+mod general;
 mod polynomial;
 mod trigonometric;
 
 pub use conditions::Condition;
+pub use general::Candidates;
 
 use crate::{Float, IkError, Rule, Solution, Solutions, Step, Winding, residual_tolerance};
 
@@ -27,7 +30,8 @@ const DOUBLE_ROOT: f64 = 4.0;
 /// // x = cos(theta1), at 0.5
 /// const STEP_1: Step = Step::new(0, 0b1, false, Measure::Length);
 /// let mut search = Search::<1>::new(1.0, &[]);
-/// for theta1 in search.trig(STEP_1, 1.0, 0.0, 0.5) {
+/// let mut roots = search.trig(STEP_1, 1.0, 0.0, 0.5);
+/// while let Some(theta1) = search.next(&mut roots) {
 ///     search.accept([theta1], 0.0, 0.0);
 /// }
 /// let solutions = search.finish()?;
@@ -44,10 +48,12 @@ pub struct Search<'a, const N: usize, S = f64> {
     /// The first row of each free step.
     free_rows: [u8; u32::BITS as usize],
     failure: Option<Failure<S>>,
+    /// How many candidates were taken, those that were there already included.
+    accepted: u32,
 }
 
 /// Why a branch ended.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Failure<S> {
     /// How far it came.
     depth: u32,
@@ -61,22 +67,26 @@ const DEPTH_OF_MISSED: u32 = 0;
 /// A candidate that a condition refuses was a solution: it came further than any step.
 const DEPTH_OF_REFUSED: u32 = u32::MAX;
 
-/// Roots of an equation in one unknown.
+/// Roots of an equation in one unknown: one or two, none, or any value where the coefficients vanish.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Roots<S = f64>([Option<S>; 2]);
+pub struct Roots<S = f64> {
+    roots: [Option<S>; 2],
+    /// How any value is chosen.
+    free: Option<free::Free<S>>,
+}
 
 impl<S> Roots<S> {
     const fn one(root: S) -> Self {
-        Self([Some(root), None])
+        Self { roots: [Some(root), None], free: None }
     }
     const fn two(first: S, second: S) -> Self {
-        Self([Some(first), Some(second)])
+        Self { roots: [Some(first), Some(second)], free: None }
     }
 }
 
 impl<S: Float> Roots<S> {
     /// No root.
-    pub const NONE: Self = Self([None, None]);
+    pub const NONE: Self = Self { roots: [None, None], free: None };
 
     /// How many roots there are.
     pub fn len(&self) -> usize {
@@ -93,7 +103,7 @@ impl<S> IntoIterator for Roots<S> {
     type Item = S;
     type IntoIter = core::iter::Flatten<core::array::IntoIter<Option<S>, 2>>;
     fn into_iter(self) -> Self::IntoIter {
-        self.0.into_iter().flatten()
+        self.roots.into_iter().flatten()
     }
 }
 
@@ -110,6 +120,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             free_steps: 0,
             free_rows: [0; u32::BITS as usize],
             failure: None,
+            accepted: 0,
         }
     }
 
@@ -126,6 +137,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         let mut q = q;
         crate::rules::wrap_all(self.windings, &mut q);
         let free = self.free_row();
+        self.accepted += 1;
         self.solutions.push(Solution { q, position_error, rotation_error, free }, self.windings);
     }
 
@@ -176,11 +188,15 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         if gap > scale.tolerance {
             return self.singular(step, gap, scale);
         }
+        self.mark_free(step);
+        Roots::free(step, self.accepted)
+    }
+
+    fn mark_free(&mut self, step: Step) {
         self.free_steps |= bit(step);
         if let Some(row) = self.free_rows.get_mut(usize::from(step.index)) {
             *row = step.first_row() as u8;
         }
-        Roots::one(S::ZERO)
     }
 
     fn singular(&mut self, step: Step, gap: S, scale: &Scale<S>) -> Roots<S> {

@@ -78,6 +78,16 @@ impl<S: Float> SolutionSet<S> {
         self.solutions.is_empty()
     }
 
+    /// The solutions with their joint values padded by 0.
+    pub(crate) fn into_padded(self) -> Solutions<MAX_JOINTS, S> {
+        self.solutions
+    }
+
+    /// Replaces what is in it by padded solutions.
+    pub(crate) fn fill_padded(&mut self, dof: usize, solutions: Solutions<MAX_JOINTS, S>) {
+        *self = Self { dof, solutions };
+    }
+
     /// The solution at this place.
     pub fn get(&self, index: usize) -> Option<SolutionView<'_, S>> {
         self.iter().nth(index)

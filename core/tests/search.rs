@@ -147,3 +147,32 @@ fn messages_count_from_one_and_carry_numbers() {
     let text = IkError::OutsideLimits { joint: 2, value: 4.0, min: -1.0, max: 1.0 }.to_string();
     assert!(text.contains("joint 3") && text.contains("4.000000"), "{text}");
 }
+
+/// The second step has roots only where 2 - 2 cos(theta1 - 1) is at most `width`: in an interval, down to a point.
+#[test]
+fn a_free_joint_takes_a_value_that_the_rest_can_be_solved_with() {
+    for width in [1.0, 1e-4, 1e-9, 0.0] {
+        let mut search = Search::<2>::new(1.0, &TURN);
+        let mut first = search.trig(step(0), 0.0, 0.0, 0.0);
+        while let Some(theta1) = search.next(&mut first) {
+            let mut second = search.trig(step(1), 1.0, 0.0, 3.0 - 2.0 * (theta1 - 1.0).cos() - width);
+            while let Some(theta2) = search.next(&mut second) {
+                search.accept([theta1, theta2], 0.0, 0.0);
+            }
+        }
+        let solutions = search.finish().unwrap();
+        assert!(!solutions.is_empty() && solutions.iter().all(|solution| solution.free == Some(0)));
+        assert!(solutions.iter().all(|solution| (solution.q[0] - 1.0).powi(2) <= 1.1 * width + 2e-7));
+    }
+}
+
+#[test]
+fn where_no_value_of_a_free_joint_helps_the_best_one_says_why() {
+    let mut search = Search::<2>::new(1.0, &TURN);
+    let mut first = search.trig(step(0), 0.0, 0.0, 0.0);
+    while let Some(theta1) = search.next(&mut first) {
+        assert!(search.trig(step(1), 1.0, 0.0, 3.5 - 2.0 * (theta1 - 1.0).cos()).is_empty());
+    }
+    let Err(IkError::Unreachable { excess, .. }) = search.finish() else { panic!() };
+    assert!((excess - 0.5).abs() < 1e-9, "{excess}");
+}

@@ -5,9 +5,9 @@
 use ::core::f64::consts::{FRAC_PI_2, PI, TAU};
 use ::dh_runtime::nalgebra::Point2;
 use ::dh_runtime::{
-    Condition, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted,
-    NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, Target,
-    TargetKind, Violations, Winding, copy_into, jacobian_from_columns, joint_array,
+    Condition, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure,
+    Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step,
+    Target, TargetKind, Violations, Winding, copy_into, jacobian_from_columns, joint_array,
 };
 
 /// Kinematics of the RT Corporation CRANE-X7 planar: 2 revolute joints.
@@ -92,7 +92,8 @@ impl CraneX7Planar {
     pub const SERVOS: [(&'static str, Servo<'static>); 0] = [];
     /// The inverse problems that are solved.
     #[rustfmt::skip]
-    pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
+    pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
         ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[] },
         ProblemInfo { name: "xy_elbow_up", target: TargetKind::Xy, free: &[] },
     ];
@@ -161,6 +162,60 @@ impl CraneX7Planar {
     #[allow(clippy::result_large_err, reason = "no heap to put it on")]
     pub fn check(&self, q: &[f64; 2]) -> Result<(), Violations<'static>> {
         Self::RULES.check(q, tool_point(q))
+    }
+
+    /// Every geometric solution that brings the tool frame to a pose, limits ignored; joints that
+    /// turn are in (-pi, pi].
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// Solved one after the other:
+    ///
+    /// ```text
+    /// theta1:   a1 c1 = px0
+    ///           a1 s1 = py0
+    ///           px0 = px - a2 r11
+    ///           py0 = py - a2 r21
+    ///           (rows 1 and 2 of the position in frame 0)
+    /// theta2:   c2 = xx1
+    ///           s2 = xy1
+    ///           xx1 = r11 c1 + r21 s1
+    ///           xy1 = r21 c1 - r11 s1
+    ///           (rows 1 and 2 of the x axis in frame 1)
+    /// ```
+    ///
+    /// Besides solving, on each branch: 6 multiplications, 4 additions, 1 sine-cosine pair.
+    ///
+    /// # Errors
+    ///
+    /// [`IkError`]: the first step of the solution that fails decides.
+    pub fn ik_all(&self, target: &Pose) -> Result<Solutions<2>, IkError> {
+        solve_pose(&Target::Pose(target.into()))
+    }
+
+    /// The solutions that brings the tool frame to a pose that whole turns bring inside the limits
+    /// and no rule forbids, each in the representative nearest to the middle of the limits. Never
+    /// empty.
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik_all`]; where there are solutions, but none is allowed, which limit or rule the
+    /// nearest to being allowed breaks.
+    pub fn ik(&self, target: &Pose) -> Result<Solutions<2>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, None)
+    }
+
+    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik`].
+    pub fn ik_near(&self, target: &Pose, seed: &[f64; 2]) -> Result<Solutions<2>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `xy`, limits ignored; joints that turn are
@@ -363,6 +418,36 @@ fn tool_point(q: &[f64; 2]) -> [f64; 3] {
     forward_kinematics(q).translation
 }
 
+/// Every solution of the full pose.
+#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+fn solve_pose(target: &Target) -> Result<Solutions<2>, IkError> {
+    const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
+    const THETA2: Step = Step::new(1, 0b10, false, Measure::Ratio);
+
+    let target = target.validate_as(TargetKind::Pose)?;
+    let [r11, _, _, px, r21, _, _, py, _, _, _, _] = target.numbers().array();
+    let mut search = Search::new(REACH, &WINDINGS);
+    let px0 = px - A2 * r11;
+    let py0 = py - A2 * r21;
+
+    // theta1: a1 c1 = px0; a1 s1 = py0 (rows 1 and 2 of the position in frame 0)
+    let mut roots = search.trig_pair(THETA1, [A1, 0.0, px0], [0.0, A1, py0]);
+    while let Some(theta1) = search.next(&mut roots) {
+        let (s1, c1) = Float::sin_cos(theta1);
+        let xx1 = r11 * c1 + r21 * s1;
+        let xy1 = r21 * c1 - r11 * s1;
+
+        // theta2: c2 = xx1; s2 = xy1 (rows 1 and 2 of the x axis in frame 1)
+        let mut roots = search.trig_pair(THETA2, [1.0, 0.0, xx1], [0.0, 1.0, xy1]);
+        while let Some(theta2) = search.next(&mut roots) {
+            let q = [theta1, theta2];
+            let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+            search.accept(q, position_error, rotation_error);
+        }
+    }
+    search.finish()
+}
+
 /// Every solution of `xy`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_xy(target: &Target) -> Result<Solutions<2>, IkError> {
@@ -375,13 +460,15 @@ fn solve_xy(target: &Target) -> Result<Solutions<2>, IkError> {
     let n0 = px * px + py * py - K2 - K3;
 
     // theta2: 2 a1 a2 c2 = n0 (squared distance of the position from the origin of frame 0)
-    for theta2 in search.trig(THETA2, K1, 0.0, n0) {
+    let mut roots = search.trig(THETA2, K1, 0.0, n0);
+    while let Some(theta2) = search.next(&mut roots) {
         let (s2, c2) = Float::sin_cos(theta2);
         let x1 = A2 * c2 + A1;
         let y1 = A2 * s2;
 
         // theta1: px c1 + py s1 = x1; py c1 - px s1 = y1 (rows 1 and 2 of the position in frame 1)
-        for theta1 in search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]) {
+        let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]);
+        while let Some(theta1) = search.next(&mut roots) {
             let q = [theta1, theta2];
             let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
             search.accept(q, position_error, rotation_error);
@@ -402,13 +489,15 @@ fn solve_xy_elbow_up(target: &Target) -> Result<Solutions<2>, IkError> {
     let n0 = px * px + py * py - K2 - K3;
 
     // theta2: 2 a1 a2 c2 = n0 (squared distance of the position from the origin of frame 0)
-    for theta2 in search.trig(THETA2, K1, 0.0, n0) {
+    let mut roots = search.trig(THETA2, K1, 0.0, n0);
+    while let Some(theta2) = search.next(&mut roots) {
         let (s2, c2) = Float::sin_cos(theta2);
         let x1 = A2 * c2 + A1;
         let y1 = A2 * s2;
 
         // theta1: px c1 + py s1 = x1; py c1 - px s1 = y1 (rows 1 and 2 of the position in frame 1)
-        for theta1 in search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]) {
+        let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]);
+        while let Some(theta1) = search.next(&mut roots) {
             let q = [theta1, theta2];
             let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
             // where theta2 <= 0
@@ -464,6 +553,7 @@ impl Kinematics for CraneX7Planar {
     ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
+            FULL_POSE => solve_pose(target)?,
             "xy" => solve_xy(target)?,
             "xy_elbow_up" => solve_xy_elbow_up(target)?,
             _ => return Err(IkError::UnknownProblem),

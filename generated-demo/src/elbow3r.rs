@@ -5,7 +5,7 @@
 use ::core::f64::consts::{FRAC_PI_2, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    Axis, Bound, Condition, Float, Frame, IkError, Jacobian, Joint, KeepOut, Kinematics,
+    Axis, Bound, Condition, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, KeepOut, Kinematics,
     LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet,
     Solutions, Step, Target, TargetKind, Violations, Winding, copy_into, jacobian_from_columns,
     joint_array,
@@ -95,7 +95,8 @@ impl Elbow3R {
     pub const SERVOS: [(&'static str, Servo<'static>); 0] = [];
     /// The inverse problems that are solved.
     #[rustfmt::skip]
-    pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
+    pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
         ProblemInfo { name: "position", target: TargetKind::Position, free: &[] },
         ProblemInfo { name: "position_elbow_up", target: TargetKind::Position, free: &[] },
     ];
@@ -164,6 +165,65 @@ impl Elbow3R {
     #[allow(clippy::result_large_err, reason = "no heap to put it on")]
     pub fn check(&self, q: &[f64; 3]) -> Result<(), Violations<'static>> {
         Self::RULES.check(q, tool_point(q))
+    }
+
+    /// Every geometric solution that brings the tool frame to a pose, limits ignored; joints that
+    /// turn are in (-pi, pi].
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// Solved one after the other:
+    ///
+    /// ```text
+    /// theta1:   s1 = r13
+    ///           c1 = -r23
+    ///           (rows 1 and 2 of the z axis in frame 0)
+    /// theta23:  c23 = xx1
+    ///           s23 = r31
+    ///           xx1 = r11 c1 + r21 s1
+    ///           (rows 1 and 2 of the x axis in frame 1)
+    /// theta3:   a2 c23 c3 + a2 s23 s3 = x1
+    ///           a2 s23 c3 - a2 c23 s3 = z0
+    ///           px0 = px - a3 r11
+    ///           py0 = py - a3 r21
+    ///           x1 = px0 c1 + py0 s1
+    ///           pz0 = pz - a3 r31
+    ///           z0 = pz0 - d1
+    ///           (rows 1 and 2 of the position in frame 1)
+    /// ```
+    ///
+    /// Besides solving, on each branch: 9 multiplications, 6 additions, 2 sine-cosine pairs.
+    ///
+    /// # Errors
+    ///
+    /// [`IkError`]: the first step of the solution that fails decides.
+    pub fn ik_all(&self, target: &Pose) -> Result<Solutions<3>, IkError> {
+        solve_pose(&Target::Pose(target.into()))
+    }
+
+    /// The solutions that brings the tool frame to a pose that whole turns bring inside the limits
+    /// and no rule forbids, each in the representative nearest to the middle of the limits. Never
+    /// empty.
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik_all`]; where there are solutions, but none is allowed, which limit or rule the
+    /// nearest to being allowed breaks.
+    pub fn ik(&self, target: &Pose) -> Result<Solutions<3>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, None)
+    }
+
+    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik`].
+    pub fn ik_near(&self, target: &Pose, seed: &[f64; 3]) -> Result<Solutions<3>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `position`, limits ignored; joints that turn
@@ -415,6 +475,48 @@ fn tool_point(q: &[f64; 3]) -> [f64; 3] {
     forward_kinematics(q).translation
 }
 
+/// Every solution of the full pose.
+#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+fn solve_pose(target: &Target) -> Result<Solutions<3>, IkError> {
+    const THETA1: Step = Step::new(0, 0b1, false, Measure::Ratio);
+    const THETA23: Step = Step::new(1, 0b110, false, Measure::Ratio);
+    const THETA3: Step = Step::new(2, 0b100, false, Measure::Length);
+
+    let target = target.validate_as(TargetKind::Pose)?;
+    let [r11, _, r13, px, r21, _, r23, py, r31, _, _, pz] = target.numbers().array();
+    let mut search = Search::new(REACH, &WINDINGS);
+
+    // theta1: s1 = r13; c1 = -r23 (rows 1 and 2 of the z axis in frame 0)
+    let mut roots = search.trig_pair(THETA1, [0.0, 1.0, r13], [1.0, 0.0, -r23]);
+    while let Some(theta1) = search.next(&mut roots) {
+        let (s1, c1) = Float::sin_cos(theta1);
+        let xx1 = r11 * c1 + r21 * s1;
+
+        // theta23: c23 = xx1; s23 = r31 (rows 1 and 2 of the x axis in frame 1)
+        let mut roots = search.trig_pair(THETA23, [1.0, 0.0, xx1], [0.0, 1.0, r31]);
+        while let Some(theta23) = search.next(&mut roots) {
+            let (s23, c23) = Float::sin_cos(theta23);
+            let t1 = A2 * c23;
+            let t2 = A2 * s23;
+            let px0 = px - A3 * r11;
+            let py0 = py - A3 * r21;
+            let x1 = px0 * c1 + py0 * s1;
+            let pz0 = pz - A3 * r31;
+            let z0 = pz0 - D1;
+
+            // theta3: a2 c23 c3 + a2 s23 s3 = x1; a2 s23 c3 - a2 c23 s3 = z0
+            // (rows 1 and 2 of the position in frame 1)
+            let mut roots = search.trig_pair(THETA3, [t1, t2, x1], [t2, -t1, z0]);
+            while let Some(theta3) = search.next(&mut roots) {
+                let q = [theta1, theta23 - theta3, theta3];
+                let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                search.accept(q, position_error, rotation_error);
+            }
+        }
+    }
+    search.finish()
+}
+
 /// Every solution of `position`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_position(target: &Target) -> Result<Solutions<3>, IkError> {
@@ -428,19 +530,22 @@ fn solve_position(target: &Target) -> Result<Solutions<3>, IkError> {
     let n1 = D1 * (2.0 * pz - D1) - (px * px + py * py + pz * pz - K2 - K3);
 
     // theta3: 2 a2 a3 c3 = -n1 (squared distance of the position from the origin of frame 1)
-    for theta3 in search.trig(THETA3, K1, 0.0, -n1) {
+    let mut roots = search.trig(THETA3, K1, 0.0, -n1);
+    while let Some(theta3) = search.next(&mut roots) {
         let (s3, c3) = Float::sin_cos(theta3);
         let z0 = pz - D1;
 
         // theta2: a3 s3 c2 + (a3 c3 + a2) s2 = z0 (row 3 of the position in frame 0)
-        for theta2 in search.trig(THETA2, A3 * s3, A3 * c3 + A2, z0) {
+        let mut roots = search.trig(THETA2, A3 * s3, A3 * c3 + A2, z0);
+        while let Some(theta2) = search.next(&mut roots) {
             let (_, c23) = Float::sin_cos(theta3 + theta2);
             let (_, c2) = Float::sin_cos(theta2);
             let x1 = A2 * c2 + A3 * c23;
 
             // theta1: px c1 + py s1 = x1; py c1 - px s1 = 0
             // (rows 1 and 3 of the position in frame 1)
-            for theta1 in search.trig_pair(THETA1, [px, py, x1], [py, -px, 0.0]) {
+            let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, 0.0]);
+            while let Some(theta1) = search.next(&mut roots) {
                 let q = [theta1, theta2, theta3];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                 search.accept(q, position_error, rotation_error);
@@ -463,19 +568,22 @@ fn solve_position_elbow_up(target: &Target) -> Result<Solutions<3>, IkError> {
     let n1 = D1 * (2.0 * pz - D1) - (px * px + py * py + pz * pz - K2 - K3);
 
     // theta3: 2 a2 a3 c3 = -n1 (squared distance of the position from the origin of frame 1)
-    for theta3 in search.trig(THETA3, K1, 0.0, -n1) {
+    let mut roots = search.trig(THETA3, K1, 0.0, -n1);
+    while let Some(theta3) = search.next(&mut roots) {
         let (s3, c3) = Float::sin_cos(theta3);
         let z0 = pz - D1;
 
         // theta2: a3 s3 c2 + (a3 c3 + a2) s2 = z0 (row 3 of the position in frame 0)
-        for theta2 in search.trig(THETA2, A3 * s3, A3 * c3 + A2, z0) {
+        let mut roots = search.trig(THETA2, A3 * s3, A3 * c3 + A2, z0);
+        while let Some(theta2) = search.next(&mut roots) {
             let (_, c23) = Float::sin_cos(theta3 + theta2);
             let (_, c2) = Float::sin_cos(theta2);
             let x1 = A2 * c2 + A3 * c23;
 
             // theta1: px c1 + py s1 = x1; py c1 - px s1 = 0
             // (rows 1 and 3 of the position in frame 1)
-            for theta1 in search.trig_pair(THETA1, [px, py, x1], [py, -px, 0.0]) {
+            let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, 0.0]);
+            while let Some(theta1) = search.next(&mut roots) {
                 let q = [theta1, theta2, theta3];
                 let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                 // where theta3 <= 0
@@ -532,6 +640,7 @@ impl Kinematics for Elbow3R {
     ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
+            FULL_POSE => solve_pose(target)?,
             "position" => solve_position(target)?,
             "position_elbow_up" => solve_position_elbow_up(target)?,
             _ => return Err(IkError::UnknownProblem),

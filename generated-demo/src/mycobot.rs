@@ -5,9 +5,10 @@
 use ::core::f64::consts::{FRAC_PI_2, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    Axis, Bound, Condition, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError,
-    Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions,
-    Step, Target, TargetKind, Violations, Winding, copy_into, jacobian_from_columns, joint_array,
+    Axis, Bound, Condition, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics,
+    LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet,
+    Solutions, Step, Target, TargetKind, Violations, Winding, copy_into, jacobian_from_columns,
+    joint_array,
 };
 
 /// Kinematics of the Elephant Robotics myCobot 280 Pi: 6 revolute joints.
@@ -125,7 +126,8 @@ impl MyCobot280Pi {
     pub const SERVOS: [(&'static str, Servo<'static>); 0] = [];
     /// The inverse problems that are solved.
     #[rustfmt::skip]
-    pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
+    pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
         ProblemInfo { name: "tool_down", target: TargetKind::Position, free: &[] },
         ProblemInfo { name: "tool_down_elbow_up", target: TargetKind::Position, free: &[] },
     ];
@@ -194,6 +196,78 @@ impl MyCobot280Pi {
     #[allow(clippy::result_large_err, reason = "no heap to put it on")]
     pub fn check(&self, q: &[f64; 6]) -> Result<(), Violations<'static>> {
         Self::RULES.check(q, tool_point(q))
+    }
+
+    /// Every geometric solution that brings the tool frame to a pose, limits ignored; joints that
+    /// turn are in (-pi, pi].
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// Solved one after the other:
+    ///
+    /// ```text
+    /// theta1:   py0 c1 - px0 s1 = -d4
+    ///           py0 = py - d6 r23
+    ///           px0 = px - d6 r13
+    ///           (row 3 of the position in frame 1)
+    /// theta5:   c5 = -zz1
+    ///           zz1 = r13 s1 - r23 c1
+    ///           (row 3 of the z axis in frame 1)
+    /// theta6:   s5 c6 = xz1
+    ///           s5 s6 = -yz1
+    ///           xz1 = r11 s1 - r21 c1
+    ///           yz1 = r12 s1 - r22 c1
+    ///           (row 3 of the x axis in frame 1; row 3 of the y axis in frame 1)
+    /// theta234: s5 c234 = zx1
+    ///           s5 s234 = r33
+    ///           zx1 = r13 c1 + r23 s1
+    ///           (rows 1 and 2 of the z axis in frame 1)
+    /// theta3:   2 a2 a3 c3 = z0_2^2 + x1_2^2 - a3^2 - a2^2
+    ///           pz0 = pz - d6 r33
+    ///           z0 = pz0 - d1
+    ///           z0_2 = z0 + d5 c234
+    ///           x1 = px0 c1 + py0 s1
+    ///           x1_2 = x1 - d5 s234
+    ///           (squares of rows 1 and 2 of the position in frame 1)
+    /// theta4:   (a2 c3 + a3) c4 - a2 s3 s4 = x4
+    ///           a2 s3 c4 + (a2 c3 + a3) s4 = z4
+    ///           x4 = z0 s234 + c234 x1
+    ///           z4 = s234 x1 - (z0 c234 + d5)
+    ///           (rows 1 and 3 of the position in frame 4)
+    /// ```
+    ///
+    /// Besides solving, on each branch: 23 multiplications, 18 additions, 4 sine-cosine pairs.
+    ///
+    /// # Errors
+    ///
+    /// [`IkError`]: the first step of the solution that fails decides.
+    pub fn ik_all(&self, target: &Pose) -> Result<Solutions<6>, IkError> {
+        solve_pose(&Target::Pose(target.into()))
+    }
+
+    /// The solutions that brings the tool frame to a pose that whole turns bring inside the limits
+    /// and no rule forbids, each in the representative nearest to the middle of the limits. Never
+    /// empty.
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik_all`]; where there are solutions, but none is allowed, which limit or rule the
+    /// nearest to being allowed breaks.
+    pub fn ik(&self, target: &Pose) -> Result<Solutions<6>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, None)
+    }
+
+    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik`].
+    pub fn ik_near(&self, target: &Pose, seed: &[f64; 6]) -> Result<Solutions<6>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `tool_down`, limits ignored; joints that
@@ -583,6 +657,86 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
     forward_kinematics(q).translation
 }
 
+/// Every solution of the full pose.
+#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
+    const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
+    const THETA5: Step = Step::new(1, 0b1_0000, false, Measure::Ratio);
+    const THETA6: Step = Step::new(2, 0b10_0000, false, Measure::Ratio);
+    const THETA234: Step = Step::new(3, 0b1110, false, Measure::Ratio);
+    const THETA3: Step = Step::new(4, 0b100, false, Measure::Area);
+    const THETA4: Step = Step::new(5, 0b1000, false, Measure::Length);
+
+    let target = target.validate_as(TargetKind::Pose)?;
+    let [r11, r12, r13, px, r21, r22, r23, py, _, _, r33, pz] = target.numbers().array();
+    let mut search = Search::new(REACH, &WINDINGS);
+    let py0 = py - D6 * r23;
+    let px0 = px - D6 * r13;
+
+    // theta1: py0 c1 - px0 s1 = -d4 (row 3 of the position in frame 1)
+    let mut roots = search.trig(THETA1, py0, -px0, -D4);
+    while let Some(theta1) = search.next(&mut roots) {
+        let (s1, c1) = Float::sin_cos(theta1);
+        let zz1 = r13 * s1 - r23 * c1;
+
+        // theta5: c5 = -zz1 (row 3 of the z axis in frame 1)
+        let mut roots = search.trig(THETA5, 1.0, 0.0, -zz1);
+        while let Some(theta5) = search.next(&mut roots) {
+            let (s5, _) = Float::sin_cos(theta5);
+            let xz1 = r11 * s1 - r21 * c1;
+            let yz1 = r12 * s1 - r22 * c1;
+
+            // theta6: s5 c6 = xz1; s5 s6 = -yz1
+            // (row 3 of the x axis in frame 1; row 3 of the y axis in frame 1)
+            let mut roots = search.trig_pair(THETA6, [s5, 0.0, xz1], [0.0, s5, -yz1]);
+            while let Some(theta6) = search.next(&mut roots) {
+                let zx1 = r13 * c1 + r23 * s1;
+
+                // theta234: s5 c234 = zx1; s5 s234 = r33 (rows 1 and 2 of the z axis in frame 1)
+                let mut roots = search.trig_pair(THETA234, [s5, 0.0, zx1], [0.0, s5, r33]);
+                while let Some(theta234) = search.next(&mut roots) {
+                    let (s234, c234) = Float::sin_cos(theta234);
+                    let pz0 = pz - D6 * r33;
+                    let z0 = pz0 - D1;
+                    let z0_2 = z0 + D5 * c234;
+                    let x1 = px0 * c1 + py0 * s1;
+                    let x1_2 = x1 - D5 * s234;
+
+                    // theta3: 2 a2 a3 c3 = z0_2^2 + x1_2^2 - a3^2 - a2^2
+                    // (squares of rows 1 and 2 of the position in frame 1)
+                    let mut roots =
+                        search.trig(THETA3, K1, 0.0, z0_2 * z0_2 + x1_2 * x1_2 - K2 - K3);
+                    while let Some(theta3) = search.next(&mut roots) {
+                        let (s3, c3) = Float::sin_cos(theta3);
+                        let t1 = A2 * c3 + A3;
+                        let t2 = A2 * s3;
+                        let x4 = z0 * s234 + c234 * x1;
+                        let z4 = s234 * x1 - (z0 * c234 + D5);
+
+                        // theta4: (a2 c3 + a3) c4 - a2 s3 s4 = x4; a2 s3 c4 + (a2 c3 + a3) s4 = z4
+                        // (rows 1 and 3 of the position in frame 4)
+                        let mut roots = search.trig_pair(THETA4, [t1, -t2, x4], [t2, t1, z4]);
+                        while let Some(theta4) = search.next(&mut roots) {
+                            let q = [
+                                theta1,
+                                theta234 - theta3 - theta4 - FRAC_PI_2,
+                                theta3,
+                                theta4 - FRAC_PI_2,
+                                theta5 + FRAC_PI_2,
+                                theta6,
+                            ];
+                            let (position_error, rotation_error) =
+                                target.errors(&forward_kinematics(&q));
+                            search.accept(q, position_error, rotation_error);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    search.finish()
+}
+
 /// Every solution of `tool_down`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
@@ -595,21 +749,24 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
     let mut search = Search::new(REACH, &WINDINGS);
 
     // theta1: py c1 - px s1 = -d4 (row 3 of the position in frame 1)
-    for theta1 in search.trig(THETA1, py, -px, -D4) {
+    let mut roots = search.trig(THETA1, py, -px, -D4);
+    while let Some(theta1) = search.next(&mut roots) {
         let (s1, c1) = Float::sin_cos(theta1);
         let z0 = pz + D6 - D1;
         let x1 = px * c1 + py * s1 - D5;
 
         // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
         // (squares of rows 1 and 2 of the position in frame 1)
-        for theta3 in search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3) {
+        let mut roots = search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3);
+        while let Some(theta3) = search.next(&mut roots) {
             let (s3, c3) = Float::sin_cos(theta3);
             let t1 = A3 * c3 + A2;
             let t2 = A3 * s3;
 
             // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0
             // (rows 1 and 2 of the position in frame 1)
-            for theta2 in search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]) {
+            let mut roots = search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]);
+            while let Some(theta2) = search.next(&mut roots) {
                 let q = [
                     theta1,
                     theta2 - FRAC_PI_2,
@@ -638,21 +795,24 @@ fn solve_tool_down_elbow_up(target: &Target) -> Result<Solutions<6>, IkError> {
     let mut search = Search::new(REACH, &WINDINGS);
 
     // theta1: py c1 - px s1 = -d4 (row 3 of the position in frame 1)
-    for theta1 in search.trig(THETA1, py, -px, -D4) {
+    let mut roots = search.trig(THETA1, py, -px, -D4);
+    while let Some(theta1) = search.next(&mut roots) {
         let (s1, c1) = Float::sin_cos(theta1);
         let z0 = pz + D6 - D1;
         let x1 = px * c1 + py * s1 - D5;
 
         // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
         // (squares of rows 1 and 2 of the position in frame 1)
-        for theta3 in search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3) {
+        let mut roots = search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3);
+        while let Some(theta3) = search.next(&mut roots) {
             let (s3, c3) = Float::sin_cos(theta3);
             let t1 = A3 * c3 + A2;
             let t2 = A3 * s3;
 
             // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0
             // (rows 1 and 2 of the position in frame 1)
-            for theta2 in search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]) {
+            let mut roots = search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]);
+            while let Some(theta2) = search.next(&mut roots) {
                 let q = [
                     theta1,
                     theta2 - FRAC_PI_2,
@@ -716,6 +876,7 @@ impl Kinematics for MyCobot280Pi {
     ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
+            FULL_POSE => solve_pose(target)?,
             "tool_down" => solve_tool_down(target)?,
             "tool_down_elbow_up" => solve_tool_down_elbow_up(target)?,
             _ => return Err(IkError::UnknownProblem),

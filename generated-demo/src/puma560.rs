@@ -5,9 +5,9 @@
 use ::core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted, NamedPose,
-    Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, Target, TargetKind,
-    Violations, Winding, copy_into, jacobian_from_columns, joint_array,
+    FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted,
+    NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, Target,
+    TargetKind, Violations, Winding, copy_into, jacobian_from_columns, joint_array,
 };
 
 /// Kinematics of the Unimation Puma 560: 6 revolute joints.
@@ -110,7 +110,8 @@ impl Puma560 {
     pub const SERVOS: [(&'static str, Servo<'static>); 0] = [];
     /// The inverse problems that are solved.
     #[rustfmt::skip]
-    pub const PROBLEMS: [ProblemInfo<'static>; 1] = [
+    pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
         ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[] },
     ];
 
@@ -178,6 +179,78 @@ impl Puma560 {
     #[allow(clippy::result_large_err, reason = "no heap to put it on")]
     pub fn check(&self, q: &[f64; 6]) -> Result<(), Violations<'static>> {
         Self::RULES.check(q, tool_point(q))
+    }
+
+    /// Every geometric solution that brings the tool frame to a pose, limits ignored; joints that
+    /// turn are in (-pi, pi].
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// Solved one after the other:
+    ///
+    /// ```text
+    /// theta3:   2 a2 a3 c3 - 2 a2 d4 s3 = -n1
+    ///           n1 = d1 (2 pz - d1) - (px^2 + py^2 + pz^2 - d4^2 - a3^2 - d3^2 - a2^2)
+    ///           (squared distance of the position from the origin of frame 1)
+    /// theta1:   py c1 - px s1 = -d3
+    ///           (row 3 of the position in frame 1)
+    /// theta2:   (px c1 + py s1) c2 + (pz - d1) s2 = -x2
+    ///           (pz - d1) c2 - (px c1 + py s1) s2 = y2
+    ///           x2 = d4 s3 - a2 - a3 c3
+    ///           y2 = d4 c3 + a3 s3
+    ///           (rows 1 and 2 of the position in frame 2)
+    /// theta5:   c5 = zz3
+    ///           zz3 = r23 (1/2 c123 - 1/2 c1m2m3) + r13 (1/2 s1m2m3 - 1/2 s123) + r33 c23
+    ///           (row 3 of the z axis in frame 3)
+    /// theta4:   s5 c4 = -zx3
+    ///           s5 s4 = zz1
+    ///           zx3 = r23 (1/2 s1m2m3 + 1/2 s123) + r13 (1/2 c123 + 1/2 c1m2m3) + r33 s23
+    ///           zz1 = r13 s1 - r23 c1
+    ///           (rows 1 and 2 of the z axis in frame 3)
+    /// theta6:   c6 = -xx5_2
+    ///           s6 = xz4
+    ///           xx5 = s5 (s2 (c3 (r11 c1 + r21 s1) + r31 s3) + c2 (s3 (r11 c1 + r21 s1) - r31
+    ///           c3))
+    ///           xx5_2 = c5 ((s2 (s3 (r11 c1 + r21 s1) - r31 c3) - c2 (c3 (r11 c1 + r21 s1) + r31
+    ///           s3)) c4 - s4 (r21 c1 - r11 s1)) + xx5
+    ///           xz4 = (s2 (s3 (r11 c1 + r21 s1) - r31 c3) - c2 (c3 (r11 c1 + r21 s1) + r31 s3))
+    ///           s4 + c4 (r21 c1 - r11 s1)
+    ///           (rows 1 and 2 of the x axis in frame 5)
+    /// ```
+    ///
+    /// Besides solving, on each branch: 41 multiplications, 31 additions, 8 sine-cosine pairs (and
+    /// 5 additions in their arguments).
+    ///
+    /// # Errors
+    ///
+    /// [`IkError`]: the first step of the solution that fails decides.
+    pub fn ik_all(&self, target: &Pose) -> Result<Solutions<6>, IkError> {
+        solve_pose(&Target::Pose(target.into()))
+    }
+
+    /// The solutions that brings the tool frame to a pose that whole turns bring inside the limits
+    /// and no rule forbids, each in the representative nearest to the middle of the limits. Never
+    /// empty.
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik_all`]; where there are solutions, but none is allowed, which limit or rule the
+    /// nearest to being allowed breaks.
+    pub fn ik(&self, target: &Pose) -> Result<Solutions<6>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, None)
+    }
+
+    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik`].
+    pub fn ik_near(&self, target: &Pose, seed: &[f64; 6]) -> Result<Solutions<6>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `tool_down`, limits ignored; joints that
@@ -498,6 +571,87 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
     forward_kinematics(q).translation
 }
 
+/// Every solution of the full pose.
+#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
+    const THETA3: Step = Step::new(0, 0b100, false, Measure::Area);
+    const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
+    const THETA2: Step = Step::new(2, 0b10, false, Measure::Length);
+    const THETA5: Step = Step::new(3, 0b1_0000, false, Measure::Ratio);
+    const THETA4: Step = Step::new(4, 0b1000, false, Measure::Ratio);
+    const THETA6: Step = Step::new(5, 0b10_0000, false, Measure::Ratio);
+
+    let target = target.validate_as(TargetKind::Pose)?;
+    let [r11, _, r13, px, r21, _, r23, py, r31, _, r33, pz] = target.numbers().array();
+    let mut search = Search::new(REACH, &WINDINGS);
+    let n1 = D1 * (2.0 * pz - D1) - (px * px + py * py + pz * pz - K3 - K4 - K5 - K6);
+
+    // theta3: 2 a2 a3 c3 - 2 a2 d4 s3 = -n1
+    // (squared distance of the position from the origin of frame 1)
+    let mut roots = search.trig(THETA3, K1, -K2, -n1);
+    while let Some(theta3) = search.next(&mut roots) {
+        // theta1: py c1 - px s1 = -d3 (row 3 of the position in frame 1)
+        let mut roots = search.trig(THETA1, py, -px, -D3);
+        while let Some(theta1) = search.next(&mut roots) {
+            let (s3, c3) = Float::sin_cos(theta3);
+            let (s1, c1) = Float::sin_cos(theta1);
+            let t1 = px * c1 + py * s1;
+            let t2 = pz - D1;
+            let x2 = D4 * s3 - A2 - A3 * c3;
+            let y2 = D4 * c3 + A3 * s3;
+
+            // theta2: (px c1 + py s1) c2 + (pz - d1) s2 = -x2; (pz - d1) c2 - (px c1 + py s1) s2 =
+            // y2
+            // (rows 1 and 2 of the position in frame 2)
+            let mut roots = search.trig_pair(THETA2, [t1, t2, -x2], [t2, -t1, y2]);
+            while let Some(theta2) = search.next(&mut roots) {
+                let (s123, c123) = Float::sin_cos(theta3 + theta1 + theta2);
+                let (s1m2m3, c1m2m3) = Float::sin_cos(-theta3 + theta1 - theta2);
+                let (s23, c23) = Float::sin_cos(theta3 + theta2);
+                let t3 = 0.5 * c123;
+                let t4 = 0.5 * c1m2m3;
+                let t5 = 0.5 * s1m2m3;
+                let t6 = 0.5 * s123;
+                let zz3 = r23 * (t3 - t4) + (r13 * (t5 - t6) + r33 * c23);
+
+                // theta5: c5 = zz3 (row 3 of the z axis in frame 3)
+                let mut roots = search.trig(THETA5, 1.0, 0.0, zz3);
+                while let Some(theta5) = search.next(&mut roots) {
+                    let (s5, c5) = Float::sin_cos(theta5);
+                    let zx3 = r23 * (t5 + t6) + (r13 * (t3 + t4) + r33 * s23);
+                    let zz1 = r13 * s1 - r23 * c1;
+
+                    // theta4: s5 c4 = -zx3; s5 s4 = zz1 (rows 1 and 2 of the z axis in frame 3)
+                    let mut roots = search.trig_pair(THETA4, [s5, 0.0, -zx3], [0.0, s5, zz1]);
+                    while let Some(theta4) = search.next(&mut roots) {
+                        let (s2, c2) = Float::sin_cos(theta2);
+                        let (s4, c4) = Float::sin_cos(theta4);
+                        let t7 = r11 * c1 + r21 * s1;
+                        let t8 = s3 * t7 - r31 * c3;
+                        let t9 = c3 * t7 + r31 * s3;
+                        let t10 = s2 * t8 - c2 * t9;
+                        let t11 = r21 * c1 - r11 * s1;
+                        let xx5 = s5 * (s2 * t9 + c2 * t8);
+                        let xx5_2 = c5 * (t10 * c4 - s4 * t11) + xx5;
+                        let xz4 = t10 * s4 + c4 * t11;
+
+                        // theta6: c6 = -xx5_2; s6 = xz4 (rows 1 and 2 of the x axis in frame 5)
+                        let mut roots =
+                            search.trig_pair(THETA6, [1.0, 0.0, -xx5_2], [0.0, 1.0, xz4]);
+                        while let Some(theta6) = search.next(&mut roots) {
+                            let q = [theta1, theta2, theta3, theta4, theta5, theta6];
+                            let (position_error, rotation_error) =
+                                target.errors(&forward_kinematics(&q));
+                            search.accept(q, position_error, rotation_error);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    search.finish()
+}
+
 /// Every solution of `tool_down`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
@@ -513,25 +667,29 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
 
     // theta3: 2 a2 a3 c3 - 2 a2 d4 s3 = -n1
     // (squared distance of the position from the origin of frame 1)
-    for theta3 in search.trig(THETA3, K1, -K2, -n1) {
+    let mut roots = search.trig(THETA3, K1, -K2, -n1);
+    while let Some(theta3) = search.next(&mut roots) {
         let (s3, c3) = Float::sin_cos(theta3);
         let z0 = pz - D1;
 
         // theta2: (d4 c3 + a3 s3) c2 - (d4 s3 - a2 - a3 c3) s2 = z0
         // (row 3 of the position in frame 0)
-        for theta2 in search.trig(THETA2, D4 * c3 + A3 * s3, A3 * c3 - (D4 * s3 - A2), z0) {
+        let mut roots = search.trig(THETA2, D4 * c3 + A3 * s3, A3 * c3 - (D4 * s3 - A2), z0);
+        while let Some(theta2) = search.next(&mut roots) {
             let (s23, c23) = Float::sin_cos(theta3 + theta2);
             let (_, c2) = Float::sin_cos(theta2);
             let x1 = D4 * s23 - A2 * c2 - A3 * c23;
 
             // theta1: px c1 + py s1 = -x1; py c1 - px s1 = -d3
             // (rows 1 and 3 of the position in frame 1)
-            for theta1 in search.trig_pair(THETA1, [px, py, -x1], [py, -px, -D3]) {
+            let mut roots = search.trig_pair(THETA1, [px, py, -x1], [py, -px, -D3]);
+            while let Some(theta1) = search.next(&mut roots) {
                 let (s1, c1) = Float::sin_cos(theta1);
 
                 // theta6: c1 c6 + s1 s6 = -cyaw; s1 c6 - c1 s6 = -syaw
                 // (cosine of the yaw; sine of the yaw)
-                for theta6 in search.trig_pair(THETA6, [c1, s1, -cyaw], [s1, -c1, -syaw]) {
+                let mut roots = search.trig_pair(THETA6, [c1, s1, -cyaw], [s1, -c1, -syaw]);
+                while let Some(theta6) = search.next(&mut roots) {
                     let q = [theta1, theta2, theta3, 0.0, -theta2 - theta3 - PI, theta6];
                     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                     search.accept(q, position_error, rotation_error);
@@ -587,6 +745,7 @@ impl Kinematics for Puma560 {
     ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
+            FULL_POSE => solve_pose(target)?,
             "tool_down" => solve_tool_down(target)?,
             _ => return Err(IkError::UnknownProblem),
         };

@@ -5,9 +5,9 @@
 use ::core::f64::consts::TAU;
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted, NamedPose,
-    Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, Target, TargetKind,
-    Violations, Winding, copy_into, jacobian_from_columns, joint_array,
+    FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted,
+    NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, Target,
+    TargetKind, Violations, Winding, copy_into, jacobian_from_columns, joint_array,
 };
 
 /// Kinematics of the Adept Cobra 600: 3 revolute and 1 prismatic joint.
@@ -37,10 +37,10 @@ pub struct Cobra600;
 const D1: f64 = 0.387; // link offset of joint 1, table line 11
 const A1: f64 = 0.325; // link length of joint 1, table line 11
 const A2: f64 = 0.275; // link length of joint 2, table line 17
-const K1: f64 = 0.178_750_000_000_000_02; // = 2 a1 a2
-const K2: f64 = 0.774; // = 2 d1
-const K3: f64 = 0.075_625_000_000_000_01; // = a2^2
-const K4: f64 = 0.105_625_000_000_000_01; // = a1^2
+const K1: f64 = 0.105_625_000_000_000_01; // = a1^2
+const K2: f64 = 0.075_625_000_000_000_01; // = a2^2
+const K3: f64 = 0.178_750_000_000_000_02; // = 2 a1 a2
+const K4: f64 = 0.774; // = 2 d1
 const K5: f64 = 0.149_769; // = d1^2
 const REACH: f64 = 0.990_365_214_473_651_7; // bound on the distance of the tool point
 /// Whole turns of joints that leave every frame where it is (rad).
@@ -97,7 +97,8 @@ impl Cobra600 {
     pub const SERVOS: [(&'static str, Servo<'static>); 0] = [];
     /// The inverse problems that are solved.
     #[rustfmt::skip]
-    pub const PROBLEMS: [ProblemInfo<'static>; 1] = [
+    pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
         ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[] },
     ];
 
@@ -166,6 +167,66 @@ impl Cobra600 {
     #[allow(clippy::result_large_err, reason = "no heap to put it on")]
     pub fn check(&self, q: &[f64; 4]) -> Result<(), Violations<'static>> {
         Self::RULES.check(q, tool_point(q))
+    }
+
+    /// Every geometric solution that brings the tool frame to a pose, limits ignored; joints that
+    /// turn are in (-pi, pi].
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// Solved one after the other:
+    ///
+    /// ```text
+    /// d3:       d3 = -z0
+    ///           z0 = pz - d1
+    ///           (row 3 of the position in frame 0)
+    /// theta12m4: c12m4 = r11
+    ///           s12m4 = r21
+    ///           (rows 1 and 2 of the x axis in frame 0)
+    /// theta4:   a2 (2 px c12m4 + 2 s12m4 py) c4 - a2 (2 px s12m4 - 2 c12m4 py) s4 = px^2 - a1^2
+    ///           + py^2 + a2^2
+    ///           (squares of rows 1 and 2 of the position in frame 1)
+    /// theta2:   a1 c2 = x2
+    ///           a1 s2 = y2
+    ///           x2 = px c12 + py s12 - a2
+    ///           y2 = px s12 - py c12
+    ///           (rows 1 and 2 of the position in frame 2)
+    /// ```
+    ///
+    /// Besides solving, on each branch: 14 multiplications, 9 additions, 2 sine-cosine pairs (and 1
+    /// addition in their arguments).
+    ///
+    /// # Errors
+    ///
+    /// [`IkError`]: the first step of the solution that fails decides.
+    pub fn ik_all(&self, target: &Pose) -> Result<Solutions<4>, IkError> {
+        solve_pose(&Target::Pose(target.into()))
+    }
+
+    /// The solutions that brings the tool frame to a pose that whole turns bring inside the limits
+    /// and no rule forbids, each in the representative nearest to the middle of the limits. Never
+    /// empty.
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik_all`]; where there are solutions, but none is allowed, which limit or rule the
+    /// nearest to being allowed breaks.
+    pub fn ik(&self, target: &Pose) -> Result<Solutions<4>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, None)
+    }
+
+    /// [`Self::ik`], each in the representative nearest to `seed` (rad, or m for joints that
+    /// slide), the nearest first.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik`].
+    pub fn ik_near(&self, target: &Pose, seed: &[f64; 4]) -> Result<Solutions<4>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `place`, limits ignored; joints that turn
@@ -353,6 +414,56 @@ fn tool_point(q: &[f64; 4]) -> [f64; 3] {
     forward_kinematics(q).translation
 }
 
+/// Every solution of the full pose.
+#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+fn solve_pose(target: &Target) -> Result<Solutions<4>, IkError> {
+    const D3: Step = Step::new(0, 0b100, true, Measure::Length);
+    const THETA12M4: Step = Step::new(1, 0b1011, false, Measure::Ratio);
+    const THETA4: Step = Step::new(2, 0b1000, false, Measure::Area);
+    const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
+
+    let target = target.validate_as(TargetKind::Pose)?;
+    let [r11, _, _, px, r21, _, _, py, _, _, _, pz] = target.numbers().array();
+    let mut search = Search::new(REACH, &WINDINGS);
+    let z0 = pz - D1;
+
+    // d3: d3 = -z0 (row 3 of the position in frame 0)
+    let mut roots = search.linear(D3, 1.0, -z0);
+    while let Some(d3) = search.next(&mut roots) {
+        // theta12m4: c12m4 = r11; s12m4 = r21 (rows 1 and 2 of the x axis in frame 0)
+        let mut roots = search.trig_pair(THETA12M4, [1.0, 0.0, r11], [0.0, 1.0, r21]);
+        while let Some(theta12m4) = search.next(&mut roots) {
+            let (s12m4, c12m4) = Float::sin_cos(theta12m4);
+            let t1 = 2.0 * px;
+            let t2 = 2.0 * py;
+
+            // theta4: a2 (2 px c12m4 + 2 s12m4 py) c4 - a2 (2 px s12m4 - 2 c12m4 py) s4 = px^2 -
+            // a1^2 + py^2 + a2^2
+            // (squares of rows 1 and 2 of the position in frame 1)
+            let mut roots = search.trig(
+                THETA4,
+                A2 * (t1 * c12m4 + s12m4 * t2),
+                -A2 * (t1 * s12m4 - c12m4 * t2),
+                px * px - K1 + py * py + K2,
+            );
+            while let Some(theta4) = search.next(&mut roots) {
+                let (s12, c12) = Float::sin_cos(theta12m4 + theta4);
+                let x2 = px * c12 + py * s12 - A2;
+                let y2 = px * s12 - py * c12;
+
+                // theta2: a1 c2 = x2; a1 s2 = y2 (rows 1 and 2 of the position in frame 2)
+                let mut roots = search.trig_pair(THETA2, [A1, 0.0, x2], [0.0, A1, y2]);
+                while let Some(theta2) = search.next(&mut roots) {
+                    let q = [theta12m4 - theta2 + theta4, theta2, d3, theta4];
+                    let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                    search.accept(q, position_error, rotation_error);
+                }
+            }
+        }
+    }
+    search.finish()
+}
+
 /// Every solution of `place`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
@@ -367,24 +478,28 @@ fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
     let z0 = pz - D1;
 
     // d3: d3 = -z0 (row 3 of the position in frame 0)
-    for d3 in search.linear(D3, 1.0, -z0) {
-        let n0 = px * px + py * py + pz * pz - K3 - K4 - K5;
-        let n0_2 = d3 * (d3 - K2) - n0;
+    let mut roots = search.linear(D3, 1.0, -z0);
+    while let Some(d3) = search.next(&mut roots) {
+        let n0 = px * px + py * py + pz * pz - K2 - K1 - K5;
+        let n0_2 = d3 * (d3 - K4) - n0;
 
         // theta2: 2 a1 a2 c2 = -n0_2 (squared distance of the position from the origin of frame 0)
-        for theta2 in search.trig(THETA2, K1, 0.0, -n0_2) {
+        let mut roots = search.trig(THETA2, K3, 0.0, -n0_2);
+        while let Some(theta2) = search.next(&mut roots) {
             let (s2, c2) = Float::sin_cos(theta2);
             let x1 = A2 * c2 + A1;
             let y1 = A2 * s2;
 
             // theta1: px c1 + py s1 = x1; py c1 - px s1 = y1
             // (rows 1 and 2 of the position in frame 1)
-            for theta1 in search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]) {
+            let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]);
+            while let Some(theta1) = search.next(&mut roots) {
                 let (s12, c12) = Float::sin_cos(theta2 + theta1);
 
                 // theta4: c12 c4 + s12 s4 = cyaw; s12 c4 - c12 s4 = syaw
                 // (cosine of the yaw; sine of the yaw)
-                for theta4 in search.trig_pair(THETA4, [c12, s12, cyaw], [s12, -c12, syaw]) {
+                let mut roots = search.trig_pair(THETA4, [c12, s12, cyaw], [s12, -c12, syaw]);
+                while let Some(theta4) = search.next(&mut roots) {
                     let q = [theta1, theta2, d3, theta4];
                     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
                     search.accept(q, position_error, rotation_error);
@@ -440,6 +555,7 @@ impl Kinematics for Cobra600 {
     ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
+            FULL_POSE => solve_pose(target)?,
             "place" => solve_place(target)?,
             _ => return Err(IkError::UnknownProblem),
         };

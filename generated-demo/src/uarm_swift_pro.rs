@@ -5,9 +5,9 @@
 use ::core::f64::consts::{FRAC_PI_2, PI, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted, NamedPose,
-    Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, SumLimit, Target,
-    TargetKind, Violations, Winding, copy_into, jacobian_from_columns, joint_array,
+    FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted,
+    NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, SumLimit,
+    Target, TargetKind, Violations, Winding, copy_into, jacobian_from_columns, joint_array,
 };
 
 /// Kinematics of the UFACTORY uArm Swift Pro: 4 revolute joints.
@@ -108,7 +108,8 @@ impl UArmSwiftPro {
     pub const SERVOS: [(&'static str, Servo<'static>); 0] = [];
     /// The inverse problems that are solved.
     #[rustfmt::skip]
-    pub const PROBLEMS: [ProblemInfo<'static>; 1] = [
+    pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
         ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[] },
     ];
 
@@ -176,6 +177,67 @@ impl UArmSwiftPro {
     #[allow(clippy::result_large_err, reason = "no heap to put it on")]
     pub fn check(&self, q: &[f64; 4]) -> Result<(), Violations<'static>> {
         Self::RULES.check(q, tool_point(q))
+    }
+
+    /// Every geometric solution that brings the tool frame to a pose, limits ignored; joints that
+    /// turn are in (-pi, pi].
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// Solved one after the other:
+    ///
+    /// ```text
+    /// theta1:   py0 c1 - px0 s1 = 0
+    ///           py0 = py - d5 r23
+    ///           px0 = px - d5 r13
+    ///           (row 3 of the position in frame 1)
+    /// theta5:   c5 = xx1
+    ///           s5 = xz1
+    ///           xx1 = r11 c1 + r21 s1
+    ///           xz1 = r11 s1 - r21 c1
+    ///           (rows 1 and 3 of the x axis in frame 1)
+    /// theta3:   2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
+    ///           pz0 = pz - d5 r33
+    ///           z0 = pz0 - d1
+    ///           x1 = px0 c1 + py0 s1 - a4 - a1
+    ///           (squares of rows 1 and 2 of the position in frame 1)
+    /// theta2:   (a3 c3 + a2) c2 - a3 s3 s2 = x1
+    ///           a3 s3 c2 + (a3 c3 + a2) s2 = z0
+    ///           (rows 1 and 2 of the position in frame 1)
+    /// ```
+    ///
+    /// Besides solving, on each branch: 13 multiplications, 13 additions, 2 sine-cosine pairs.
+    ///
+    /// # Errors
+    ///
+    /// [`IkError`]: the first step of the solution that fails decides.
+    pub fn ik_all(&self, target: &Pose) -> Result<Solutions<4>, IkError> {
+        solve_pose(&Target::Pose(target.into()))
+    }
+
+    /// The solutions that brings the tool frame to a pose that whole turns bring inside the limits
+    /// and no rule forbids, each in the representative nearest to the middle of the limits. Never
+    /// empty.
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik_all`]; where there are solutions, but none is allowed, which limit or rule the
+    /// nearest to being allowed breaks.
+    pub fn ik(&self, target: &Pose) -> Result<Solutions<4>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, None)
+    }
+
+    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik`].
+    pub fn ik_near(&self, target: &Pose, seed: &[f64; 4]) -> Result<Solutions<4>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `place`, limits ignored; joints that turn
@@ -400,6 +462,61 @@ fn tool_point(q: &[f64; 4]) -> [f64; 3] {
     forward_kinematics(q).translation
 }
 
+/// Every solution of the full pose.
+#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+fn solve_pose(target: &Target) -> Result<Solutions<4>, IkError> {
+    const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
+    const THETA5: Step = Step::new(1, 0b1_0000, false, Measure::Ratio);
+    const THETA3: Step = Step::new(2, 0b100, false, Measure::Area);
+    const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
+
+    let target = target.validate_as(TargetKind::Pose)?;
+    let [r11, _, r13, px, r21, _, r23, py, _, _, r33, pz] = target.numbers().array();
+    let mut search = Search::new(REACH, &WINDINGS);
+    let py0 = py - D5 * r23;
+    let px0 = px - D5 * r13;
+
+    // theta1: py0 c1 - px0 s1 = 0 (row 3 of the position in frame 1)
+    let mut roots = search.trig(THETA1, py0, -px0, 0.0);
+    while let Some(theta1) = search.next(&mut roots) {
+        let (s1, c1) = Float::sin_cos(theta1);
+        let xx1 = r11 * c1 + r21 * s1;
+        let xz1 = r11 * s1 - r21 * c1;
+
+        // theta5: c5 = xx1; s5 = xz1 (rows 1 and 3 of the x axis in frame 1)
+        let mut roots = search.trig_pair(THETA5, [1.0, 0.0, xx1], [0.0, 1.0, xz1]);
+        while let Some(theta5) = search.next(&mut roots) {
+            let pz0 = pz - D5 * r33;
+            let z0 = pz0 - D1;
+            let x1 = px0 * c1 + py0 * s1 - A4 - A1;
+
+            // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
+            // (squares of rows 1 and 2 of the position in frame 1)
+            let mut roots = search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3);
+            while let Some(theta3) = search.next(&mut roots) {
+                let (s3, c3) = Float::sin_cos(theta3);
+                let t1 = A3 * c3 + A2;
+                let t2 = A3 * s3;
+
+                // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0
+                // (rows 1 and 2 of the position in frame 1)
+                let mut roots = search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]);
+                while let Some(theta2) = search.next(&mut roots) {
+                    let q = [
+                        theta1 + FRAC_PI_2,
+                        theta2,
+                        -theta2 - theta3,
+                        theta5 + FRAC_PI_2,
+                    ];
+                    let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                    search.accept(q, position_error, rotation_error);
+                }
+            }
+        }
+    }
+    search.finish()
+}
+
 /// Every solution of `place`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
@@ -413,24 +530,28 @@ fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
     let mut search = Search::new(REACH, &WINDINGS);
 
     // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
-    for theta1 in search.trig(THETA1, py, -px, 0.0) {
+    let mut roots = search.trig(THETA1, py, -px, 0.0);
+    while let Some(theta1) = search.next(&mut roots) {
         let (s1, c1) = Float::sin_cos(theta1);
 
         // theta5: c1 c5 + s1 s5 = cyaw; s1 c5 - c1 s5 = syaw (cosine of the yaw; sine of the yaw)
-        for theta5 in search.trig_pair(THETA5, [c1, s1, cyaw], [s1, -c1, syaw]) {
+        let mut roots = search.trig_pair(THETA5, [c1, s1, cyaw], [s1, -c1, syaw]);
+        while let Some(theta5) = search.next(&mut roots) {
             let z0 = pz + D5 - D1;
             let x1 = px * c1 + py * s1 - A4 - A1;
 
             // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
             // (squares of rows 1 and 2 of the position in frame 1)
-            for theta3 in search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3) {
+            let mut roots = search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3);
+            while let Some(theta3) = search.next(&mut roots) {
                 let (s3, c3) = Float::sin_cos(theta3);
                 let t1 = A3 * c3 + A2;
                 let t2 = A3 * s3;
 
                 // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0
                 // (rows 1 and 2 of the position in frame 1)
-                for theta2 in search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]) {
+                let mut roots = search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]);
+                while let Some(theta2) = search.next(&mut roots) {
                     let q = [
                         theta1 + FRAC_PI_2,
                         theta2,
@@ -491,6 +612,7 @@ impl Kinematics for UArmSwiftPro {
     ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
+            FULL_POSE => solve_pose(target)?,
             "place" => solve_place(target)?,
             _ => return Err(IkError::UnknownProblem),
         };

@@ -5,9 +5,9 @@
 use ::core::f64::consts::{FRAC_PI_2, PI, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted, NamedPose,
-    Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, Target, TargetKind,
-    Violations, Winding, copy_into, jacobian_from_columns, joint_array,
+    FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted,
+    NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, Target,
+    TargetKind, Violations, Winding, copy_into, jacobian_from_columns, joint_array,
 };
 
 /// Kinematics of the DENSO VS-068: 6 revolute joints.
@@ -45,8 +45,9 @@ const A2: f64 = 0.34; // link length of joint 2, table line 21
 const D4: f64 = 0.34; // link offset of joint 4, table line 35
 const TOOL_Z: f64 = 0.105; // z of [tool]
 const K1: f64 = 0.231_200_000_000_000_04; // = 2 a2 d4
-const K2: f64 = 0.115_600_000_000_000_02; // = d4^2
-const K3: f64 = 0.115_600_000_000_000_02; // = a2^2
+const K2: f64 = 0.0009; // = a1^2
+const K3: f64 = 0.115_600_000_000_000_02; // = d4^2
+const K4: f64 = 0.115_600_000_000_000_02; // = a2^2
 const REACH: f64 = 1.181_137_602_355_545; // bound on the distance of the tool point
 /// Whole turns of joints that leave every frame where it is (rad).
 const WINDINGS: [Winding<'static>; 6] = [
@@ -116,7 +117,8 @@ impl VS068 {
     pub const SERVOS: [(&'static str, Servo<'static>); 0] = [];
     /// The inverse problems that are solved.
     #[rustfmt::skip]
-    pub const PROBLEMS: [ProblemInfo<'static>; 1] = [
+    pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
         ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[] },
     ];
 
@@ -184,6 +186,82 @@ impl VS068 {
     #[allow(clippy::result_large_err, reason = "no heap to put it on")]
     pub fn check(&self, q: &[f64; 6]) -> Result<(), Violations<'static>> {
         Self::RULES.check(q, tool_point(q))
+    }
+
+    /// Every geometric solution that brings the tool frame to a pose, limits ignored; joints that
+    /// turn are in (-pi, pi].
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// Solved one after the other:
+    ///
+    /// ```text
+    /// theta1:   py0 c1 - px0 s1 = 0
+    ///           py0 = py - tool_z r23
+    ///           px0 = px - tool_z r13
+    ///           (row 3 of the position in frame 1)
+    /// theta3:   2 a2 d4 s3 = -n1_2
+    ///           pz0 = pz - tool_z r33
+    ///           n1 = d1 (2 pz0 - d1) - (px0^2 + py0^2 + pz0^2 + a1^2 - d4^2 - a2^2)
+    ///           n1_2 = a1 (2 px0 c1 + 2 s1 py0) + n1
+    ///           (squared distance of the position from the origin of frame 1)
+    /// theta2:   (d4 s3 + a2) c2 + d4 c3 s2 = x1
+    ///           d4 c3 c2 - (d4 s3 + a2) s2 = z0
+    ///           x1 = px0 c1 + py0 s1 - a1
+    ///           z0 = pz0 - d1
+    ///           (rows 1 and 2 of the position in frame 1)
+    /// theta5:   c5 = zz3
+    ///           zz3 = r23 (1/2 c1m2m3 - 1/2 c123) + r13 (1/2 s123 - 1/2 s1m2m3) + r33 c23
+    ///           (row 3 of the z axis in frame 3)
+    /// theta4:   s5 c4 = zx3
+    ///           s5 s4 = zz1
+    ///           zx3 = r23 (1/2 s123 + 1/2 s1m2m3) + r13 (1/2 c1m2m3 + 1/2 c123) - r33 s23
+    ///           zz1 = r23 c1 - r13 s1
+    ///           (rows 1 and 2 of the z axis in frame 3)
+    /// theta6:   c6 = xx5_2
+    ///           s6 = -xz4
+    ///           xx5 = s5 (s2 (c3 (r12 c1 + r22 s1) - r32 s3) + c2 (s3 (r12 c1 + r22 s1) + r32
+    ///           c3))
+    ///           xx5_2 = c5 ((s2 (s3 (r12 c1 + r22 s1) + r32 c3) - c2 (c3 (r12 c1 + r22 s1) - r32
+    ///           s3)) c4 + s4 (r12 s1 - r22 c1)) + xx5
+    ///           xz4 = (s2 (s3 (r12 c1 + r22 s1) + r32 c3) - c2 (c3 (r12 c1 + r22 s1) - r32 s3))
+    ///           s4 - c4 (r12 s1 - r22 c1)
+    ///           (rows 1 and 2 of the x axis in frame 5)
+    /// ```
+    ///
+    /// Besides solving, on each branch: 47 multiplications, 34 additions, 8 sine-cosine pairs (and
+    /// 5 additions in their arguments).
+    ///
+    /// # Errors
+    ///
+    /// [`IkError`]: the first step of the solution that fails decides.
+    pub fn ik_all(&self, target: &Pose) -> Result<Solutions<6>, IkError> {
+        solve_pose(&Target::Pose(target.into()))
+    }
+
+    /// The solutions that brings the tool frame to a pose that whole turns bring inside the limits
+    /// and no rule forbids, each in the representative nearest to the middle of the limits. Never
+    /// empty.
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik_all`]; where there are solutions, but none is allowed, which limit or rule the
+    /// nearest to being allowed breaks.
+    pub fn ik(&self, target: &Pose) -> Result<Solutions<6>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, None)
+    }
+
+    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik`].
+    pub fn ik_near(&self, target: &Pose, seed: &[f64; 6]) -> Result<Solutions<6>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `tool_down`, limits ignored; joints that
@@ -589,6 +667,97 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
     forward_kinematics(q).translation
 }
 
+/// Every solution of the full pose.
+#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
+    const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
+    const THETA3: Step = Step::new(1, 0b100, false, Measure::Area);
+    const THETA2: Step = Step::new(2, 0b10, false, Measure::Length);
+    const THETA5: Step = Step::new(3, 0b1_0000, false, Measure::Ratio);
+    const THETA4: Step = Step::new(4, 0b1000, false, Measure::Ratio);
+    const THETA6: Step = Step::new(5, 0b10_0000, false, Measure::Ratio);
+
+    let target = target.validate_as(TargetKind::Pose)?;
+    let [_, r12, r13, px, _, r22, r23, py, _, r32, r33, pz] = target.numbers().array();
+    let mut search = Search::new(REACH, &WINDINGS);
+    let py0 = py - TOOL_Z * r23;
+    let px0 = px - TOOL_Z * r13;
+
+    // theta1: py0 c1 - px0 s1 = 0 (row 3 of the position in frame 1)
+    let mut roots = search.trig(THETA1, py0, -px0, 0.0);
+    while let Some(theta1) = search.next(&mut roots) {
+        let (s1, c1) = Float::sin_cos(theta1);
+        let pz0 = pz - TOOL_Z * r33;
+        let n1 = D1 * (2.0 * pz0 - D1) - (px0 * px0 + py0 * py0 + pz0 * pz0 + K2 - K3 - K4);
+        let n1_2 = A1 * (2.0 * px0 * c1 + s1 * (2.0 * py0)) + n1;
+
+        // theta3: 2 a2 d4 s3 = -n1_2 (squared distance of the position from the origin of frame 1)
+        let mut roots = search.trig(THETA3, 0.0, K1, -n1_2);
+        while let Some(theta3) = search.next(&mut roots) {
+            let (s3, c3) = Float::sin_cos(theta3);
+            let t1 = D4 * s3 + A2;
+            let t2 = D4 * c3;
+            let x1 = px0 * c1 + py0 * s1 - A1;
+            let z0 = pz0 - D1;
+
+            // theta2: (d4 s3 + a2) c2 + d4 c3 s2 = x1; d4 c3 c2 - (d4 s3 + a2) s2 = z0
+            // (rows 1 and 2 of the position in frame 1)
+            let mut roots = search.trig_pair(THETA2, [t1, t2, x1], [t2, -t1, z0]);
+            while let Some(theta2) = search.next(&mut roots) {
+                let (s1m2m3, c1m2m3) = Float::sin_cos(theta1 - theta3 - theta2);
+                let (s123, c123) = Float::sin_cos(theta1 + theta3 + theta2);
+                let (s23, c23) = Float::sin_cos(theta3 + theta2);
+                let t3 = 0.5 * c1m2m3;
+                let t4 = 0.5 * c123;
+                let t5 = 0.5 * s123;
+                let t6 = 0.5 * s1m2m3;
+                let zz3 = r23 * (t3 - t4) + (r13 * (t5 - t6) + r33 * c23);
+
+                // theta5: c5 = zz3 (row 3 of the z axis in frame 3)
+                let mut roots = search.trig(THETA5, 1.0, 0.0, zz3);
+                while let Some(theta5) = search.next(&mut roots) {
+                    let (s5, c5) = Float::sin_cos(theta5);
+                    let zx3 = r23 * (t5 + t6) + (r13 * (t3 + t4) - r33 * s23);
+                    let zz1 = r23 * c1 - r13 * s1;
+
+                    // theta4: s5 c4 = zx3; s5 s4 = zz1 (rows 1 and 2 of the z axis in frame 3)
+                    let mut roots = search.trig_pair(THETA4, [s5, 0.0, zx3], [0.0, s5, zz1]);
+                    while let Some(theta4) = search.next(&mut roots) {
+                        let (s2, c2) = Float::sin_cos(theta2);
+                        let (s4, c4) = Float::sin_cos(theta4);
+                        let t7 = r12 * c1 + r22 * s1;
+                        let t8 = s3 * t7 + r32 * c3;
+                        let t9 = c3 * t7 - r32 * s3;
+                        let t10 = s2 * t8 - c2 * t9;
+                        let t11 = r12 * s1 - r22 * c1;
+                        let xx5 = s5 * (s2 * t9 + c2 * t8);
+                        let xx5_2 = c5 * (t10 * c4 + s4 * t11) + xx5;
+                        let xz4 = t10 * s4 - c4 * t11;
+
+                        // theta6: c6 = xx5_2; s6 = -xz4 (rows 1 and 2 of the x axis in frame 5)
+                        let mut roots =
+                            search.trig_pair(THETA6, [1.0, 0.0, xx5_2], [0.0, 1.0, -xz4]);
+                        while let Some(theta6) = search.next(&mut roots) {
+                            let q = [
+                                theta1 + FRAC_PI_2,
+                                theta2 + FRAC_PI_2,
+                                theta3 - FRAC_PI_2,
+                                theta4,
+                                theta5,
+                                theta6,
+                            ];
+                            let (position_error, rotation_error) =
+                                target.errors(&forward_kinematics(&q));
+                            search.accept(q, position_error, rotation_error);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    search.finish()
+}
+
 /// Every solution of `tool_down`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
@@ -602,24 +771,28 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
     let mut search = Search::new(REACH, &WINDINGS);
 
     // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
-    for theta1 in search.trig(THETA1, py, -px, 0.0) {
+    let mut roots = search.trig(THETA1, py, -px, 0.0);
+    while let Some(theta1) = search.next(&mut roots) {
         let (s1, c1) = Float::sin_cos(theta1);
 
         // theta6: s1 c6 - c1 s6 = -cyaw; c1 c6 + s1 s6 = syaw (cosine of the yaw; sine of the yaw)
-        for theta6 in search.trig_pair(THETA6, [s1, -c1, -cyaw], [c1, s1, syaw]) {
+        let mut roots = search.trig_pair(THETA6, [s1, -c1, -cyaw], [c1, s1, syaw]);
+        while let Some(theta6) = search.next(&mut roots) {
             let z0 = pz + TOOL_Z - D1;
             let x1 = px * c1 + py * s1 - A1;
 
             // theta3: 2 a2 d4 s3 = z0^2 + x1^2 - d4^2 - a2^2
             // (squares of rows 1 and 2 of the position in frame 1)
-            for theta3 in search.trig(THETA3, 0.0, K1, z0 * z0 + x1 * x1 - K2 - K3) {
+            let mut roots = search.trig(THETA3, 0.0, K1, z0 * z0 + x1 * x1 - K3 - K4);
+            while let Some(theta3) = search.next(&mut roots) {
                 let (s3, c3) = Float::sin_cos(theta3);
                 let t1 = D4 * s3 + A2;
                 let t2 = D4 * c3;
 
                 // theta2: (d4 s3 + a2) c2 + d4 c3 s2 = x1; d4 c3 c2 - (d4 s3 + a2) s2 = z0
                 // (rows 1 and 2 of the position in frame 1)
-                for theta2 in search.trig_pair(THETA2, [t1, t2, x1], [t2, -t1, z0]) {
+                let mut roots = search.trig_pair(THETA2, [t1, t2, x1], [t2, -t1, z0]);
+                while let Some(theta2) = search.next(&mut roots) {
                     let q = [
                         theta1 + FRAC_PI_2,
                         theta2 + FRAC_PI_2,
@@ -682,6 +855,7 @@ impl Kinematics for VS068 {
     ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
+            FULL_POSE => solve_pose(target)?,
             "tool_down" => solve_tool_down(target)?,
             _ => return Err(IkError::UnknownProblem),
         };

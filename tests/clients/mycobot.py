@@ -5,7 +5,6 @@ python3 mycobot.py PATH_OF_DHC
 """
 
 import os
-import sys
 import tempfile
 import termios
 import time
@@ -13,7 +12,7 @@ import time
 from pymycobot import MyCobot280
 from pymycobot.error import MyCobot280DataException
 
-from simulated import Simulated, equal
+from simulated import Simulated, equal, run
 
 # The client sends a request again when half a second has brought no answer.
 FIRST_TRY = 0.45
@@ -172,5 +171,4 @@ def unplugged(dhc):
 
 
 if __name__ == "__main__":
-    session(sys.argv[1])
-    unplugged(sys.argv[1])
+    run([session, unplugged])

@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a broken case is a broken test")]
 
-use dh_core::{Axis, Frame, IkError, Kinematics, Rule, SolutionSet, Target, Violation};
+use dh_core::{Axis, FULL_POSE, Frame, IkError, Kinematics, Rule, SolutionSet, Target, Violation};
 use dh_tests::cases::{self, elements, numbers, radians};
 use dh_tests::engine;
 use serde_json::Value;
@@ -298,8 +298,16 @@ fn forward_in_metres(arm: &dyn Kinematics, case: &Value) {
 }
 
 #[test]
-fn vs068_forward() {
+fn vs068_there_and_back() {
     let arm = engine::shipped("vs068").unwrap();
     let case = cases::vs068();
     forward_in_metres(&*arm, &case);
+    for entry in elements(&case["fk"]) {
+        let q = numbers(&entry["joints_rad"]);
+        let target = Target::Pose(arm.fk(&q).unwrap());
+        let all = solve(&*arm, FULL_POSE, &target).unwrap();
+        assert!(all.len() <= 8, "a spherical wrist has at most eight: {all:?}");
+        assert!(contains(&all, &q, 1e-9), "{entry} {all:?}");
+        assert!(contains(&solve_within(&*arm, FULL_POSE, &target).unwrap(), &q, 1e-9), "{entry}");
+    }
 }

@@ -65,6 +65,7 @@ fn numbers(target: &Target<f64>) -> Option<Vec<f64>> {
     match target {
         Target::Xy(position) => Some(position.to_vec()),
         Target::Rotation(rotation) => Some(rotation.concat()),
+        Target::Pose(frame) => Some(frame.rows().to_vec()),
         _ => None,
     }
 }
@@ -115,6 +116,7 @@ fn solutions_meet_their_targets() {
                     let rotation = [x, y, z].map(|[a, b, c, _]| [a, b, c]);
                     let there = match target {
                         Target::Xy(_) => vec![x[3], y[3]],
+                        Target::Pose(_) => [x, y, z].concat(),
                         _ => rotation.concat(),
                     };
                     for (there, wanted) in there.iter().zip(numbers(&target).expect("no other kind")) {

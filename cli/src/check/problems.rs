@@ -63,7 +63,7 @@ fn reason(robot: &Robot, index: Option<usize>) -> String {
     if let Some(failure) = failure.and_then(|function| function.failure.as_ref()) {
         return format!("left out, since it did not stand verification: {}", clean(failure));
     }
-    let unsolved = robot.output.unsolved.iter().find(|unsolved| Some(unsolved.problem) == index);
+    let unsolved = robot.output.unsolved.iter().find(|unsolved| unsolved.problem == index);
     match unsolved {
         Some(unsolved) => format!("not solved: {}", unsolved.refusal.text()),
         None => "not solved".to_owned(),

@@ -2,40 +2,54 @@
 
 use super::schedule::{Constants, Scheduler};
 use super::{Equation, Function, FunctionKind, Measure, Scalar, Stage, Step};
-use crate::model::{JointKind, Model, Problem};
+use crate::model::{JointKind, Model, Problem, Target};
 use crate::symbolic::expression::Expr;
 use crate::symbolic::inverse_kinematics::{self, Derivation, Refusal, StageEquation};
+use crate::symbolic::redundancy;
+use dh_core::FULL_POSE;
 
 /// A problem that has no function, and why.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Unsolved {
-    /// Index into `Model::problems`.
-    pub problem: usize,
+    /// Index into `Model::problems`; `None` is the full pose.
+    pub problem: Option<usize>,
     /// Why.
     pub refusal: Refusal,
 }
 
-/// The functions of all problems that have a closed form.
+/// The functions of the full pose and of all problems of the table. Several of one kind are strategies for the same
+/// problem, the best first; verification keeps the first that stands it.
 ///
 /// Problems that differ only in their `where` share one derivation.
 pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Function>, Vec<Unsolved>) {
     let (mut functions, mut unsolved) = (Vec::new(), Vec::new());
-    let mut derived: Vec<(usize, Result<Derivation, Refusal>)> = Vec::new();
-    for (index, problem) in model.problems.iter().enumerate() {
+    let mut derived: Vec<(Problem, Result<Derivation, Refusal>)> = Vec::new();
+    let named = model.problems.iter().any(|problem| problem.name == FULL_POSE);
+    let excess = model.joints.len().saturating_sub(Target::Pose.rows());
+    if !named && excess == 1 {
+        match redundant(model) {
+            Ok((problem, derivation)) => functions.push(function(None, &problem, &derivation, constants)),
+            Err(refusal) => unsolved.push(Unsolved { problem: None, refusal }),
+        }
+    }
+    let pose = (!named && excess == 0).then(|| (None, full_pose(Vec::new())));
+    let entries = model.problems.iter().enumerate().map(|(index, problem)| (Some(index), problem.clone()));
+    for (index, problem) in pose.into_iter().chain(entries) {
         let same = derived.iter().position(|(other, _)| {
-            model.problems.get(*other).is_some_and(|other| {
-                let forms = |p: &Problem| -> Vec<_> {
-                    p.constraints.iter().map(|c| (c.terms.clone(), c.constant)).collect()
-                };
-                other.target == problem.target && other.free == problem.free && forms(other) == forms(problem)
-            })
+            let forms = |p: &Problem| -> Vec<_> {
+                p.constraints.iter().map(|c| (c.terms.clone(), c.constant)).collect()
+            };
+            other.target == problem.target && other.free == problem.free && forms(other) == forms(&problem)
         });
         let at = same.unwrap_or_else(|| {
-            derived.push((index, inverse_kinematics::derive(model, problem)));
+            let derivation = inverse_kinematics::derive(model, &problem);
+            derived.push((problem, derivation));
             derived.len() - 1
         });
         match derived.get(at) {
-            Some((_, Ok(derivation))) => functions.push(function(index, derivation, constants)),
+            Some((problem, Ok(derivation))) => {
+                functions.push(function(index, problem, derivation, constants));
+            }
             Some((_, Err(refusal))) => {
                 unsolved.push(Unsolved { problem: index, refusal: refusal.clone() });
             }
@@ -45,9 +59,53 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
     (functions, unsolved)
 }
 
-fn function(problem: usize, derivation: &Derivation, constants: &mut Constants) -> Function {
+/// Six revolute joints have no fewer branches than this: a joint that leaves so many is taken without trying others.
+const FEW_BRANCHES: usize = 8;
+
+/// The full pose of an arm with one joint too many: with that joint left to the caller which leaves the fewest
+/// branches, of equal ones the one that takes the greatest part in the self-motion.
+fn redundant(model: &Model) -> Result<(Problem, Derivation), Refusal> {
+    let mut best: Option<(Problem, Derivation)> = None;
+    let mut refused = Refusal::NoClosedForm;
+    for joint in redundancy::joints(model) {
+        let problem = full_pose(vec![joint]);
+        match inverse_kinematics::derive(model, &problem) {
+            Ok(derivation) => {
+                let branches = derivation.branches();
+                if best.as_ref().is_none_or(|(_, least)| branches < least.branches()) {
+                    best = Some((problem, derivation));
+                }
+                if branches <= FEW_BRANCHES {
+                    break;
+                }
+            }
+            Err(refusal) => refused = refusal,
+        }
+    }
+    best.ok_or(refused)
+}
+
+/// The full pose as a problem of the table that prescribes it and constrains nothing.
+pub(super) fn full_pose(free: Vec<usize>) -> Problem {
+    Problem {
+        name: FULL_POSE.to_owned(),
+        target: Target::Pose,
+        constraints: Vec::new(),
+        filters: Vec::new(),
+        free,
+        span: 0..0,
+        line: 0,
+    }
+}
+
+fn function(
+    index: Option<usize>,
+    problem: &Problem,
+    derivation: &Derivation,
+    constants: &mut Constants,
+) -> Function {
     let arena = &derivation.arena;
-    let inputs: Vec<String> = derivation
+    let mut inputs: Vec<String> = derivation
         .inputs
         .iter()
         .filter_map(|input| match arena.node(*input) {
@@ -59,16 +117,23 @@ fn function(problem: usize, derivation: &Derivation, constants: &mut Constants) 
         .collect();
     let coefficients: Vec<Expr> =
         derivation.stages.iter().flat_map(|stage| stage.equation.coefficients()).collect();
+    let target = inputs.len();
+    inputs.extend(derivation.given.iter().cloned());
     let mut scheduler = Scheduler::new(arena, constants, &inputs, &coefficients);
     for (index, input) in derivation.inputs.iter().enumerate() {
         scheduler.bind(*input, super::ValueId(index));
     }
+    scheduler.variables = (target..inputs.len()).map(super::ValueId).collect();
+    // What depends on the given joints alone is the same in every branch.
+    scheduler.leaves_of(derivation.given.len(), &coefficients);
+    let mut steps = std::mem::take(&mut scheduler.steps);
     let stages = derivation.stages.iter().map(stage).collect();
-    let steps = nested(&mut scheduler, derivation, 0);
+    steps.extend(nested(&mut scheduler, derivation, 0));
     Function {
-        kind: FunctionKind::Inverse(Some(problem)),
+        kind: FunctionKind::Inverse(index),
         values: scheduler.values,
         inputs: inputs.len(),
+        free: problem.free.clone(),
         steps,
         outputs: Vec::new(),
         counts: scheduler.counts,

@@ -13,6 +13,10 @@ fn scalars<'p>(steps: &'p mut [Step], found: &mut Vec<&'p mut Scalar>) {
             Step::Let { value, .. } => found.push(value),
             Step::SinCos { angle, .. } => found.push(angle),
             Step::Accept { q } => found.extend(q),
+            Step::General { given, body, .. } => {
+                found.extend(given);
+                scalars(body, found);
+            }
             Step::Solve { equation, body, .. } => {
                 match equation {
                     Equation::Trig { a, b, c } | Equation::Quadratic { a, b, c } => found.extend([a, b, c]),

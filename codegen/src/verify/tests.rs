@@ -193,7 +193,8 @@ fn constraints_with_fractions_hold_modulo_what_turns_make_of_them() {
     assert!((constraints.excess(&[0.3, 0.25]) - 0.1).abs() < 1e-15);
     let rate = constraints.direction(constraints.independent[0], 2);
     assert!((rate[1] * 2.0 - rate[0]).abs() < 1e-15);
-    assert_eq!(super::name(&model, &FunctionKind::Inverse(Some(0))), "ik_all_geared");
+    assert_eq!(super::name(&model, &FunctionKind::Inverse(Some(0)), &[]), "ik_all_geared");
+    assert_eq!(super::name(&model, &FunctionKind::Inverse(Some(0)), &[1]), "ik_at_geared");
 }
 
 #[test]
@@ -212,6 +213,9 @@ fn forward_functions_of_the_compiler_pass() {
         let (_, report) = verify(&model, crate::plan::build(&model).0, Level::Full, &mut diagnostics);
         for function in &report.functions {
             assert_eq!(function.failure, None, "{}", function.name);
+            if function.inverse.is_some() {
+                continue;
+            }
             assert!(function.position_error < 1e-14 && function.rotation_error < 1e-14);
         }
         assert!(report.functions.len() >= 5 && diagnostics.is_empty());

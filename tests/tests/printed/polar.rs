@@ -5,9 +5,9 @@
 use ::core::f64::consts::{FRAC_PI_2, TAU};
 use ::dh_runtime::nalgebra::Point2;
 use ::dh_runtime::{
-    Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted, NamedPose,
-    Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, Target, TargetKind,
-    Violations, Winding, copy_into, jacobian_from_columns, joint_array,
+    FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted,
+    NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, Target,
+    TargetKind, Violations, Winding, copy_into, jacobian_from_columns, joint_array,
 };
 
 /// Kinematics of the Polar: 1 revolute and 1 prismatic joint.
@@ -81,7 +81,8 @@ impl Polar {
     pub const SERVOS: [(&'static str, Servo<'static>); 0] = [];
     /// The inverse problems that are solved.
     #[rustfmt::skip]
-    pub const PROBLEMS: [ProblemInfo<'static>; 1] = [
+    pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
         ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[] },
     ];
 
@@ -150,6 +151,59 @@ impl Polar {
     #[allow(clippy::result_large_err, reason = "no heap to put it on")]
     pub fn check(&self, q: &[f64; 2]) -> Result<(), Violations<'static>> {
         Self::RULES.check(q, tool_point(q))
+    }
+
+    /// Every geometric solution that brings the tool frame to a pose, limits ignored; joints that
+    /// turn are in (-pi, pi].
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// Solved one after the other:
+    ///
+    /// ```text
+    /// theta1:   c1 = r11
+    ///           s1 = r21
+    ///           (rows 1 and 2 of the x axis in frame 0)
+    /// d2:       -d2 = -z1
+    ///           px0 = px - a2 r11
+    ///           py0 = py - a2 r21
+    ///           z1 = px0 s1 - py0 c1
+    ///           (row 3 of the position in frame 1)
+    /// ```
+    ///
+    /// Besides solving, on each branch: 4 multiplications, 3 additions, 1 sine-cosine pair.
+    ///
+    /// # Errors
+    ///
+    /// [`IkError`]: the first step of the solution that fails decides.
+    pub fn ik_all(&self, target: &Pose) -> Result<Solutions<2>, IkError> {
+        solve_pose(&Target::Pose(target.into()))
+    }
+
+    /// The solutions that brings the tool frame to a pose that whole turns bring inside the limits
+    /// and no rule forbids, each in the representative nearest to the middle of the limits. Never
+    /// empty.
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik_all`]; where there are solutions, but none is allowed, which limit or rule the
+    /// nearest to being allowed breaks.
+    pub fn ik(&self, target: &Pose) -> Result<Solutions<2>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, None)
+    }
+
+    /// [`Self::ik`], each in the representative nearest to `seed` (rad, or m for joints that
+    /// slide), the nearest first.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik`].
+    pub fn ik_near(&self, target: &Pose, seed: &[f64; 2]) -> Result<Solutions<2>, IkError> {
+        let solutions = self.ik_all(target)?;
+        solutions.within(&Self::RULES, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `xy`, limits ignored; joints that turn are
@@ -288,6 +342,35 @@ fn tool_point(q: &[f64; 2]) -> [f64; 3] {
     forward_kinematics(q).translation
 }
 
+/// Every solution of the full pose.
+#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+fn solve_pose(target: &Target) -> Result<Solutions<2>, IkError> {
+    const THETA1: Step = Step::new(0, 0b1, false, Measure::Ratio);
+    const D2: Step = Step::new(1, 0b10, true, Measure::Length);
+
+    let target = target.validate_as(TargetKind::Pose)?;
+    let [r11, _, _, px, r21, _, _, py, _, _, _, _] = target.numbers().array();
+    let mut search = Search::new(REACH, &WINDINGS);
+
+    // theta1: c1 = r11; s1 = r21 (rows 1 and 2 of the x axis in frame 0)
+    let mut roots = search.trig_pair(THETA1, [1.0, 0.0, r11], [0.0, 1.0, r21]);
+    while let Some(theta1) = search.next(&mut roots) {
+        let (s1, c1) = Float::sin_cos(theta1);
+        let px0 = px - A2 * r11;
+        let py0 = py - A2 * r21;
+        let z1 = px0 * s1 - py0 * c1;
+
+        // d2: -d2 = -z1 (row 3 of the position in frame 1)
+        let mut roots = search.linear(D2, -1.0, -z1);
+        while let Some(d2) = search.next(&mut roots) {
+            let q = [theta1 - FRAC_PI_2, d2];
+            let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+            search.accept(q, position_error, rotation_error);
+        }
+    }
+    search.finish()
+}
+
 /// Every solution of `xy`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_xy(target: &Target) -> Result<Solutions<2>, IkError> {
@@ -299,11 +382,13 @@ fn solve_xy(target: &Target) -> Result<Solutions<2>, IkError> {
     let mut search = Search::new(REACH, &WINDINGS);
 
     // theta1: px c1 + py s1 = a2 (row 1 of the position in frame 1)
-    for theta1 in search.trig(THETA1, px, py, A2) {
+    let mut roots = search.trig(THETA1, px, py, A2);
+    while let Some(theta1) = search.next(&mut roots) {
         let (s1, c1) = Float::sin_cos(theta1);
 
         // d2: d2 = px s1 - py c1 (row 3 of the position in frame 1)
-        for d2 in search.linear(D2, 1.0, px * s1 - py * c1) {
+        let mut roots = search.linear(D2, 1.0, px * s1 - py * c1);
+        while let Some(d2) = search.next(&mut roots) {
             let q = [theta1 - FRAC_PI_2, d2];
             let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
             search.accept(q, position_error, rotation_error);
@@ -357,6 +442,7 @@ impl Kinematics for Polar {
     ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
+            FULL_POSE => solve_pose(target)?,
             "xy" => solve_xy(target)?,
             _ => return Err(IkError::UnknownProblem),
         };

@@ -3,10 +3,11 @@
 use std::collections::BTreeSet;
 
 /// What the printer itself calls things inside a generated function, and what it calls there.
-const OURS: [&str; 19] = [
+const OURS: [&str; 20] = [
     "q",
     "target",
     "search",
+    "roots",
     "tool",
     "columns",
     "frame",

@@ -1,7 +1,7 @@
 //! Running a lowered function.
 
 use super::filter::Filter;
-use super::routine::{Instruction, Kernel, Register, Routine, Solve};
+use super::routine::{General, Instruction, Kernel, Register, Routine, Solve};
 use super::trace::Event;
 use crate::plan::Function;
 use dh_core::{Condition, Float, Frame, MAX_JOINTS, Roots, Search, Target, residual_tolerance};
@@ -44,7 +44,10 @@ impl<S: Float> Registers<S> {
                 self.set(sin, s);
                 self.set(cos, c);
             }
-            Instruction::Named(_) | Instruction::Solve(_) | Instruction::Accept(_) => {}
+            Instruction::Named(_)
+            | Instruction::Solve(_)
+            | Instruction::General(_)
+            | Instruction::Accept(_) => {}
         }
     }
 }
@@ -113,6 +116,7 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
                     named(self.names, *register, registers, &mut self.observer);
                 }
                 Instruction::Solve(solve) => self.solve(solve, registers),
+                Instruction::General(general) => self.general(general, registers),
                 Instruction::Accept(q) => self.accept(q, registers),
                 other => registers.compute(other),
             }
@@ -125,16 +129,38 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
         else {
             return;
         };
-        let roots = self.roots(*step, solve.equation, registers);
+        let mut roots = self.roots(*step, solve.equation, registers);
         let count = roots.into_iter().count();
         (self.observer)(Event::Stage { index: solve.stage, stage, roots: count });
-        for (number, root) in roots.into_iter().enumerate() {
+        let mut number = 0;
+        while let Some(root) = self.search.next(&mut roots) {
             registers.set(solve.root, root);
             let name = self.names.values.get(solve.root).map_or("", String::as_str);
             (self.observer)(Event::Root { stage: solve.stage, number, name, value: root });
             self.block(&solve.body, registers);
+            number += 1;
         }
         (self.observer)(Event::Done { stage: solve.stage });
+    }
+
+    fn general(&mut self, general: &General, registers: &mut Registers<S>) {
+        let (Some(step), Some(stage)) =
+            (self.routine.stages.get(general.stage), self.names.stages.get(general.stage))
+        else {
+            return;
+        };
+        let given: Vec<S> = general.given.iter().map(|register| registers.get(*register)).collect();
+        let candidates = self.search.general(*step, &general.chain.arm(), self.target, &given);
+        (self.observer)(Event::Stage { index: general.stage, stage, roots: candidates.as_slice().len() });
+        for (number, values) in candidates.into_iter().enumerate() {
+            for (root, value) in general.roots.iter().zip(values) {
+                registers.set(*root, value);
+                let name = self.names.values.get(*root).map_or("", String::as_str);
+                (self.observer)(Event::Root { stage: general.stage, number, name, value });
+            }
+            self.block(&general.body, registers);
+        }
+        (self.observer)(Event::Done { stage: general.stage });
     }
 
     fn roots(&mut self, step: dh_core::Step, equation: Kernel, registers: &Registers<S>) -> Roots<S> {

@@ -1,0 +1,271 @@
+//! Joint values brought nearer to a pose, step by step: the last digits of a solution whose steps were ill-conditioned.
+
+use crate::frame::{cross, dot, norm, sub};
+use crate::{Float, Frame, rotation_error};
+
+/// Joint values, and how far the tool frame that they give is from its target.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Polished<const N: usize, S = f64> {
+    /// Joint values (rad or m).
+    pub q: [S; N],
+    /// m
+    pub position_error: S,
+    /// rad
+    pub rotation_error: S,
+}
+
+/// An error (reaches, rad) of this many machine epsilons is what rounding leaves.
+const ROUNDING: f64 = 4.0;
+
+/// An error of this many machine epsilons that a step didn't make smaller isn't tried again.
+const SMALL: f64 = 64.0;
+
+/// What the damping is multiplied by after a step that made the error greater, and divided by after one that didn't.
+const DAMPING: f64 = 16.0;
+
+/// Brings joint values nearer to a pose by at most `steps` damped Gauss-Newton steps on all six coordinates of the tool
+/// frame; never farther from it.
+///
+/// `pose_and_jacobian` is the tool frame with the columns of the geometric Jacobian (vx vy vz wx wy wz, base axes, at the
+/// tool point), the reach (m) is what errors of positions are relative to. `N` may be any number of joints: of more than
+/// six, the step with the least travel is taken, and with fewer the pose is met as well as it can be.
+///
+/// A step minimises |e - J dq|² + λ |dq|² with λ = |e|², e being the error in reaches and radians \[Levenberg 1944; Fan and
+/// Yuan 2005 on this choice of λ\]. Near a solution this converges as Newton's method does (the error is squared with each
+/// step), also where the Jacobian is singular but solutions form a curve, since λ vanishes with the error; at an isolated
+/// double root by a factor of four a step. A Jacobian that is singular does no harm. The step comes from an orthogonal
+/// factorisation, so that directions with singular values down to the square root of λ count.
+pub fn polish<const N: usize, S: Float>(
+    q: [S; N],
+    target: &Frame<S>,
+    reach: S,
+    steps: usize,
+    mut pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+) -> Polished<N, S> {
+    let per_reach = if reach > S::ZERO && reach.is_finite() { S::ONE / reach } else { S::ONE };
+    let mut at = State::new(q, target, per_reach, &mut pose_and_jacobian);
+    let mut damping = S::ONE;
+    for _ in 0..steps {
+        let rounding = S::from_f64(ROUNDING) * S::EPSILON;
+        if at.cost <= rounding * rounding {
+            break;
+        }
+        let step = damped_step(&at.jacobian, at.error, per_reach, (damping * at.cost).sqrt());
+        let mut moved = at.q;
+        moved.iter_mut().zip(step).for_each(|(value, change)| *value += change);
+        let next = State::new(moved, target, per_reach, &mut pose_and_jacobian);
+        if next.cost < at.cost {
+            at = next;
+            damping = damping / S::from_f64(DAMPING);
+        } else {
+            let small = S::from_f64(SMALL) * S::EPSILON;
+            if at.cost <= small * small {
+                break;
+            }
+            damping = damping * S::from_f64(DAMPING);
+        }
+    }
+    Polished {
+        q: at.q,
+        position_error: norm(sub(at.tool.translation, target.translation)),
+        rotation_error: rotation_error(&target.rotation, &at.tool.rotation),
+    }
+}
+
+/// Joint values with what they give.
+struct State<const N: usize, S> {
+    q: [S; N],
+    tool: Frame<S>,
+    jacobian: [[S; 6]; N],
+    /// Position in reaches, then rotation in rad.
+    error: [S; 6],
+    /// Its square.
+    cost: S,
+}
+
+impl<const N: usize, S: Float> State<N, S> {
+    fn new(
+        q: [S; N],
+        target: &Frame<S>,
+        per_reach: S,
+        pose_and_jacobian: &mut impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+    ) -> Self {
+        let (tool, jacobian) = pose_and_jacobian(&q);
+        let [px, py, pz] = sub(target.translation, tool.translation).map(|x| x * per_reach);
+        let [wx, wy, wz] = turn(&tool, target);
+        let error = [px, py, pz, wx, wy, wz];
+        Self { q, tool, jacobian, error, cost: square(&error) }
+    }
+}
+
+/// The axis of the turn from one orientation to another, as long as the sine of its angle; for more than a quarter turn
+/// as long as 2 minus that, so that half a turn does not look like none.
+fn turn<S: Float>(from: &Frame<S>, to: &Frame<S>) -> [S; 3] {
+    let [[ax, bx, cx], [ay, by, cy], [az, bz, cz]] = from.rotation;
+    let [[dx, ex, fx], [dy, ey, fy], [dz, ez, fz]] = to.rotation;
+    let columns = [([ax, ay, az], [dx, dy, dz]), ([bx, by, bz], [ex, ey, ez]), ([cx, cy, cz], [fx, fy, fz])];
+    let (mut sum, mut trace) = ([S::ZERO; 3], S::ZERO);
+    for (own, wanted) in columns {
+        sum.iter_mut().zip(cross(own, wanted)).for_each(|(sum, part)| *sum += part);
+        trace += dot(own, wanted);
+    }
+    let half = S::ONE / S::TWO;
+    let sine_axis = sum.map(|x| x * half);
+    if trace >= S::ONE {
+        return sine_axis;
+    }
+    let sine = norm(sine_axis);
+    // At exactly half a turn the axis is not in the antisymmetric part; any other error may then lead on.
+    let longer = if sine > S::ZERO { (S::TWO - sine) / sine } else { S::ONE };
+    sine_axis.map(|x| x * longer)
+}
+
+fn square<S: Float>(values: &[S]) -> S {
+    values.iter().fold(S::ZERO, |sum, x| sum + *x * *x)
+}
+
+/// A column of the Jacobian over a column of the damping's diagonal.
+#[derive(Clone, Copy)]
+struct Column<const N: usize, S> {
+    upper: [S; 6],
+    lower: [S; N],
+}
+
+impl<const N: usize, S: Float> Column<N, S> {
+    fn dot(&self, other: &Self) -> S {
+        let products = self.upper.iter().zip(&other.upper).chain(self.lower.iter().zip(&other.lower));
+        products.fold(S::ZERO, |sum, (a, b)| sum + *a * *b)
+    }
+
+    /// self += factor * other
+    fn add_scaled(&mut self, other: &Self, factor: S) {
+        let entries = self.upper.iter_mut().zip(&other.upper).chain(self.lower.iter_mut().zip(&other.lower));
+        entries.for_each(|(a, b)| *a += factor * *b);
+    }
+}
+
+/// The dq with the least |e - J dq|² + damping² |dq|², by modified Gram-Schmidt on the Jacobian over damping * 1
+/// \[Björck, Numerical Methods for Least Squares Problems, §2.4\].
+fn damped_step<const N: usize, S: Float>(
+    jacobian: &[[S; 6]; N],
+    error: [S; 6],
+    per_reach: S,
+    damping: S,
+) -> [S; N] {
+    let mut columns = [Column { upper: [S::ZERO; 6], lower: [S::ZERO; N] }; N];
+    for (index, (column, [vx, vy, vz, wx, wy, wz])) in columns.iter_mut().zip(jacobian).enumerate() {
+        column.upper = [*vx * per_reach, *vy * per_reach, *vz * per_reach, *wx, *wy, *wz];
+        if let Some(entry) = column.lower.get_mut(index) {
+            *entry = damping;
+        }
+    }
+    let mut rest = Column { upper: error, lower: [S::ZERO; N] };
+    // Row j of the triangular factor, from its diagonal on, and the right-hand side.
+    let mut factor = [([S::ZERO; N], S::ZERO); N];
+    let mut open = columns.as_mut_slice();
+    for (row, right) in &mut factor {
+        let [first, others @ ..] = open else { break };
+        let size = first.dot(first).sqrt();
+        let unit = if size > S::ZERO { S::ONE / size } else { S::ZERO };
+        first.upper = first.upper.map(|x| x * unit);
+        first.lower = first.lower.map(|x| x * unit);
+        let (diagonal, behind) = match row.as_mut_slice() {
+            [diagonal, behind @ ..] => (diagonal, behind),
+            [] => break,
+        };
+        *diagonal = unit;
+        for (column, entry) in others.iter_mut().zip(behind) {
+            *entry = first.dot(column);
+            column.add_scaled(first, -*entry);
+        }
+        *right = first.dot(&rest);
+        rest.add_scaled(first, -*right);
+        open = others;
+    }
+    // From the last unknown to the first: `found` has those behind row j at its end.
+    let mut step = [S::ZERO; N];
+    let mut behind = 0;
+    for (row, right) in factor.iter().rev() {
+        let (unit, entries) = match row.as_slice() {
+            [unit, entries @ ..] => (*unit, entries),
+            [] => break,
+        };
+        let mut value = *right;
+        for (entry, found) in entries.iter().zip(step.iter().skip(N - behind)) {
+            value += -(*entry * *found);
+        }
+        behind += 1;
+        if let Some(slot) = step.get_mut(N - behind) {
+            *slot = value * unit;
+        }
+    }
+    step
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{damped_step, polish};
+    use crate::Frame;
+
+    /// Two parallel axes (links of 1 and 0.5 m) and a third that turns the hand.
+    fn planar(q: &[f64; 3]) -> (Frame, [[f64; 6]; 3]) {
+        let sums = [q[0], q[0] + q[1], q[0] + q[1] + q[2]];
+        let [(s1, c1), (s12, c12), (_, _)] = sums.map(|x| (libm::sin(x), libm::cos(x)));
+        let (x, y) = (c1 + 0.5 * c12, s1 + 0.5 * s12);
+        let tool = Frame::from_rpy([x, y, 0.0], [0.0, 0.0, sums[2]]);
+        let column = |vx: f64, vy: f64| [vx, vy, 0.0, 0.0, 0.0, 1.0];
+        (tool, [column(-y, x), column(-0.5 * s12, 0.5 * c12), column(0.0, 0.0)])
+    }
+
+    #[test]
+    fn a_regular_pose_is_met_to_the_last_digits() {
+        let q = [0.3, 0.9, -0.4];
+        let (target, _) = planar(&q);
+        let found = polish([0.31, 0.88, -0.37], &target, 1.5, 6, planar);
+        assert!(found.q.iter().zip(q).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
+        assert!(found.position_error < 1e-15 && found.rotation_error < 1e-15);
+    }
+
+    #[test]
+    fn a_double_root_is_approached_and_nothing_gets_worse() {
+        let (target, _) = planar(&[0.3, 0.0, 0.2]);
+        let start = [0.3, 1e-3, 0.2];
+        let mut last = f64::INFINITY;
+        for steps in 0..24 {
+            let found = polish(start, &target, 1.5, steps, planar);
+            let residual = found.position_error.max(found.rotation_error);
+            assert!(residual <= last);
+            last = residual;
+        }
+        assert!(last < 1e-13, "{last:e}");
+    }
+
+    #[test]
+    fn what_cannot_be_reached_is_met_as_well_as_it_can_be() {
+        let (mut target, _) = planar(&[0.3, 0.9, -0.4]);
+        target.translation[2] = 0.1;
+        let found = polish([0.31, 0.88, -0.37], &target, 1.5, 20, planar);
+        assert!((found.position_error - 0.1).abs() < 1e-6, "{found:?}");
+        let nowhere = polish([f64::NAN; 3], &target, 1.5, 3, planar);
+        assert!(nowhere.position_error.is_nan());
+    }
+
+    #[test]
+    fn a_damped_step_solves_the_normal_equations() {
+        let (_, jacobian) = planar(&[0.3, 0.9, -0.4]);
+        let (error, per_reach, damping) = ([0.1, -0.2, 0.3, 0.05, 0.02, -0.4], 0.5, 0.1);
+        let step = damped_step(&jacobian, error, per_reach, damping);
+        let scaled =
+            jacobian.map(|[a, b, c, d, e, f]| [a * per_reach, b * per_reach, c * per_reach, d, e, f]);
+        for (column, own) in scaled.iter().zip(step) {
+            // J^T (e - J dq) = damping^2 dq
+            let left: f64 = (0..6)
+                .map(|row| {
+                    let predicted: f64 = scaled.iter().zip(step).map(|(other, x)| other[row] * x).sum();
+                    column[row] * (error[row] - predicted)
+                })
+                .sum();
+            assert!((left - damping * damping * own).abs() < 1e-14);
+        }
+    }
+}
