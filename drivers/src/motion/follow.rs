@@ -162,8 +162,12 @@ impl Walk<'_, '_> {
     }
 
     /// Why solutions that are allowed do not go on from here: what the one that goes on breaks; or that none does, and
-    /// the nearest is elsewhere. Nothing where there is no solution at all.
+    /// the nearest is elsewhere. Nothing where there is no solution at all; nor where a joint is free, so that there are
+    /// solutions all around.
     fn ended(&self, target: &Target, here: &[f64]) -> Option<Reason> {
+        if self.arm.redundancy(self.problem).is_some() {
+            return None;
+        }
         let solution = singular::solve(self.arm, self.problem, target, here)?;
         if furthest(self.arm, here, &solution).1 > self.longest {
             return Some(self.jump(here, &solution));
