@@ -44,7 +44,10 @@ impl<S: Float> Registers<S> {
                 self.set(sin, s);
                 self.set(cos, c);
             }
-            Instruction::Named(_) | Instruction::Solve(_) | Instruction::General(_) | Instruction::Accept(_) => {}
+            Instruction::Named(_)
+            | Instruction::Solve(_)
+            | Instruction::General(_)
+            | Instruction::Accept(_) => {}
         }
     }
 }

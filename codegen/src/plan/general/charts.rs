@@ -38,7 +38,8 @@ pub(super) fn choose(chain: &GeneralChain) -> Vec<Chart> {
     let mut kept: Vec<Chart> = Vec::new();
     for (chart, badness) in charts {
         // Charts of the same hidden joint fail at the same poses.
-        let known = kept.iter().any(|other| other.unknown() == chart.unknown() && other.dropped == chart.dropped);
+        let known =
+            kept.iter().any(|other| other.unknown() == chart.unknown() && other.dropped == chart.dropped);
         if !known && kept.len() < KEPT && badness < poses.len() as f64 {
             kept.push(chart);
         }
