@@ -11,11 +11,15 @@ use super::narrowed::Narrowed;
 use super::path::{self, NoPath, Path};
 use super::profile::Profile;
 use super::refusal::{JointName, Reason, Refusal, Sample};
+use super::settings::Tolerance;
 use super::timing;
 use crate::driver::{JointMap, Pace};
 use dh_runtime::{Joint, Kinematics, Limits, Rules, SumLimit, Target};
 use std::fmt;
 use std::time::Duration;
+
+/// A move that would take longer than this (s) is a mistake: half an hour.
+const LONGEST_MOVE: f64 = 1800.0;
 
 /// Between setpoints of a stream joints move in straight lines, and so they do between these places where a device
 /// makes its own profile (s).
@@ -26,6 +30,10 @@ const LIMIT_ROUNDING: f64 = 1e-6;
 
 /// Rounding of velocities, as a part of them.
 const VELOCITY_ROUNDING: f64 = 1e-9;
+
+/// A device that makes its own profiles is told to move its leading joint at this part of its greatest velocity at
+/// least: less than a percent or two is nothing that such devices know.
+const LEAST_PART: f64 = 0.02;
 
 /// How far the hand of a device that makes its own profiles may leave a path between two goals: m and rad.
 const GOAL_POSITION: f64 = 1e-3;
@@ -124,19 +132,26 @@ impl<'k> Planner<'k> {
         }
         self.may_begin(start, asked)
             .map_err(|reason| reason.at(step, Sample { index: 0, count: 1, part: 0.0 }))?;
-        let (course, goals) = self.course(start, asked, step)?;
-        let needed = course.duration();
-        if let Some(allowed) = asked.within.filter(|allowed| needed > *allowed) {
+        let courses = self.courses(start, asked, step)?;
+        let needed = courses.iter().map(|(course, _)| course.duration()).sum();
+        let allowed = asked.within.map_or(LONGEST_MOVE, |within| within.min(LONGEST_MOVE));
+        if needed > allowed {
             return Err(Reason::TooLong { needed, allowed }.of_step(step));
         }
-        match (self.pace, goals) {
-            (Pace::Stream { period }, _) => self.stream(start, &course, period, step),
-            (Pace::PointToPoint, goals) => self.goals(start, &course, &goals, step),
+        let mut leg = Leg { start: start.to_vec(), commands: Vec::new(), times: Vec::new() };
+        for (course, goals) in courses {
+            let from = leg.goal().to_vec();
+            leg.append(match self.pace {
+                Pace::Stream { period } => self.stream(&from, &course, period, step)?,
+                Pace::PointToPoint => self.goals(&from, &course, &goals, step)?,
+            });
         }
+        Ok(leg)
     }
 
-    /// How the joints move, and the places (times, s) that a device is sent to that makes profiles of its own.
-    fn course(&self, start: &[f64], asked: &Move, step: usize) -> Result<(Course, Vec<f64>), Refusal> {
+    /// How the joints move, from rest to rest, and the places (times, s) that a device is sent to that makes profiles of
+    /// its own.
+    fn courses(&self, start: &[f64], asked: &Move, step: usize) -> Result<Vec<(Course, Vec<f64>)>, Refusal> {
         let dynamics: Vec<Dynamics> = self.dynamics.iter().map(|limits| limits.slowed(asked.part)).collect();
         let to = |goal: &[f64]| {
             let end = Sample { index: 1, count: 2, part: 1.0 };
@@ -144,7 +159,7 @@ impl<'k> Planner<'k> {
             let profile = Profile::new(start, goal, &dynamics);
             let profile = profile.map_err(|error| Reason::Profile(error).of_step(step))?;
             let duration = profile.duration();
-            Ok((Course::Joints(profile), vec![duration]))
+            Ok(vec![(Course::Joints(profile), vec![duration])])
         };
         match &asked.goal {
             Goal::Joints(q) => to(q),
@@ -156,14 +171,22 @@ impl<'k> Planner<'k> {
                 let Some(path) = self.path(start, through).map_err(|reason| reason.of_step(step))? else {
                     return to(start);
                 };
-                let joints = joints_along(&self.arm, problem, &path, start, step)?;
-                let end = Sample { index: joints.knots().len(), count: joints.knots().len(), part: 1.0 };
+                let end = Sample { index: 1, count: 2, part: 1.0 };
+                // An end that can't be reached says more than the place where the way there breaks off.
+                nearest(&self.arm, problem, &path.at(path.length()), start)
+                    .map_err(|reason| reason.at(step, end))?;
+                let first = follow::onto(&self.arm, problem, &path, start);
+                let first =
+                    first.map_err(|reason| reason.at(step, Sample { index: 0, count: 1, part: 0.0 }))?;
+                let mut courses = if first == start { Vec::new() } else { to(&first)? };
+                let joints = joints_along(&self.arm, problem, &path, &first, step)?;
                 let goal = joints.values().last().map_or(start, Vec::as_slice);
                 self.allowed(goal).map_err(|reason| reason.at(step, end))?;
                 let timing = timing::along(&self.arm, &dynamics, &joints, asked.speed, asked.part, step)?;
                 let course = Course::Path { timing, joints };
                 let goals = self.places_on(&path, &course);
-                Ok((course, goals))
+                courses.push((course, goals));
+                Ok(courses)
             }
         }
     }
@@ -232,12 +255,22 @@ impl<'k> Planner<'k> {
                 here = next;
             }
             let velocities = course.fastest(then, *time, before.iter().zip(&positions));
+            let velocities = self.no_slower_than_devices_go(velocities);
             before.clone_from(&positions);
             then = *time;
             leg.commands.push(Command::new(self.arm.fingerprint(), positions, velocities));
             leg.times.push(*time);
         }
         Ok(leg)
+    }
+
+    /// Velocities of a goal, raised together where the leading joint would be slower than devices can be told to be.
+    fn no_slower_than_devices_go(&self, velocities: Vec<f64>) -> Vec<f64> {
+        let parts =
+            velocities.iter().zip(&self.dynamics).map(|(velocity, limits)| velocity / limits.velocity);
+        let leading = parts.fold(0.0, f64::max);
+        let factor = if leading > 0.0 { (LEAST_PART / leading).max(1.0) } else { 1.0 };
+        velocities.into_iter().map(|velocity| velocity * factor).collect()
     }
 
     /// The places on a path (s) between which straight lines in joint space keep near to it.
@@ -361,9 +394,10 @@ impl<'k> Planner<'k> {
     }
 
     /// Joint values that are beyond their limits by this much (rad or m) at most, brought back.
-    pub(super) fn inside(&self, q: &[f64], tolerance: f64) -> Vec<f64> {
-        let inside = |(value, joint): (&f64, &dh_runtime::Joint<'_>)| {
-            let limits = joint.limits.filter(|limits| (limits.clamp(*value) - value).abs() <= tolerance);
+    pub(super) fn inside(&self, q: &[f64], tolerance: &Tolerance) -> Vec<f64> {
+        let inside = |(value, joint): (&f64, &Joint<'_>)| {
+            let near = |limits: &Limits| (limits.clamp(*value) - value).abs() <= tolerance.of(joint.kind);
+            let limits = joint.limits.filter(near);
             limits.map_or(*value, |limits| limits.clamp(*value))
         };
         q.iter().zip(self.arm.joints()).map(inside).collect()

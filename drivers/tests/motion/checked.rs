@@ -7,11 +7,11 @@ use dh_runtime::{Kinematics, Rule, Target};
 use proptest::prelude::*;
 use std::time::Duration;
 
-fn planner(arm: &dyn Kinematics, pace: Pace) -> Planner<'_> {
+pub(crate) fn planner(arm: &dyn Kinematics, pace: Pace) -> Planner<'_> {
     Planner::new(arm, &JointMap::of_table(arm).unwrap(), pace).unwrap()
 }
 
-fn every(milliseconds: u64) -> Pace {
+pub(crate) fn every(milliseconds: u64) -> Pace {
     Pace::Stream { period: Duration::from_millis(milliseconds) }
 }
 
@@ -31,7 +31,7 @@ fn depth(arm: &dyn Kinematics, q: &[f64]) -> f64 {
 }
 
 /// Looks at straight lines between commands at places that have nothing to do with the checker's.
-fn assert_kept(arm: &dyn Kinematics, checked: &Checked, dynamics: &[Dynamics]) {
+pub(crate) fn assert_kept(arm: &dyn Kinematics, checked: &Checked, dynamics: &[Dynamics]) {
     let joints = arm.joints();
     for step in 0..checked.moves() {
         let mut before: Option<(f64, Vec<f64>)> = None;
@@ -309,5 +309,28 @@ fn out_of_what_is_forbidden_the_arm_may_go_but_no_deeper() {
         assert!(matches!(further.reason, Reason::OutsideLimits { .. }), "{further}");
         let line = Move::line("position", Target::Position([0.4, 0.2, 0.3]));
         assert!(planner.plan(&under, &[line]).is_err(), "lines are for arms that stand where they may");
+    }
+}
+
+#[test]
+fn an_arm_that_stands_nearly_on_a_path_is_brought_onto_it() {
+    for pace in [every(10), Pace::PointToPoint] {
+        let planner = planner(&MyCobot, pace);
+        // Tool down at (150, -100, 150) but for what a device that counts in hundredths of a degree leaves of it.
+        let exact = planner.plan(
+            &[-0.2, -0.1, -2.0, 0.6, 0.0, -0.2],
+            &[Move::nearest("tool_down", Target::Position([0.15, -0.1, 0.15]))],
+        );
+        let exact = exact.unwrap().goal(0).unwrap().to_vec();
+        let start = [-12.08, -8.42, -116.97, 35.4, 0.0, -12.08].map(f64::to_radians);
+        let line = Move::line("tool_down", Target::Position([0.15, -0.1, 0.07]));
+        let checked = planner.plan(&start, std::slice::from_ref(&line)).unwrap();
+        assert_eq!(checked.start(), Some(start.as_slice()));
+        assert_kept(&MyCobot, &checked, planner.dynamics());
+        let tilt = |q: &[f64]| Kinematics::fk(&MyCobot, q).unwrap().z_axis()[2] + 1.0;
+        assert!(tilt(&start) > 1e-9 && tilt(checked.goal(0).unwrap()) < 1e-12);
+        assert!(planner.plan(&exact, std::slice::from_ref(&line)).unwrap().duration() <= checked.duration());
+        let far = start.map(|q| q + 0.06);
+        assert!(matches!(planner.plan(&far, &[line]).unwrap_err().reason, Reason::NotOnPath { .. }));
     }
 }
