@@ -54,7 +54,7 @@ const KEYBOARD: &str = "-12.08 -51.17 -123.8 84.96 0 -12.08\n63.24, -85.92, -83.
 fn mycobot_checks_joint_angles_without_a_device() {
     let text = stdout(&run(MYCOBOT, &["check"], KEYBOARD));
     let lines: Vec<&str> = text.lines().collect();
-    assert_near(&after(lines[0], "at"), &[149.98707521, -99.99309332, 69.97903252], 0.006, "published");
+    assert_near(&after(lines[0], "at"), &[149.987_075_21, -99.993_093_32, 69.979_032_52], 0.006, "published");
     assert_eq!(lines[1], "allowed");
     assert!(lines[3].contains("refused") && lines[3].contains("0.009990 m"), "{text}");
     assert!(lines[5].contains("J1") && lines[5].contains("J6"), "both, not only the first: {text}");

@@ -57,7 +57,7 @@ impl MyCobot {
         self.call(|arm| arm.link.acknowledge(&Request::plain(C::ClearErrorInformation)))
     }
 
-    /// Whether a new goal replaces the one before (true, what [`Driver::torque`] sets) or waits until that is reached.
+    /// Whether a new goal replaces the one before (true, what [`Driver::torque`](crate::Driver::torque) sets) or waits until that is reached.
     ///
     /// # Errors
     /// [`DriverError`]
