@@ -108,7 +108,8 @@ impl fmt::Display for ConnectError {
 impl std::error::Error for ConnectError {}
 
 impl<'k, D: Driver> Robot<'k, D> {
-    /// Asks the device where the arm is. Torque stays as it is until the first move.
+    /// Asks the device where the arm is. Torque stays as it is until the first move; a device that says nothing without
+    /// power has to be switched on before, by [`Driver::torque`].
     ///
     /// # Errors
     /// Where the driver is another arm's, or the device does not answer.
