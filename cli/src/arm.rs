@@ -5,7 +5,7 @@ mod progress;
 mod refusal;
 
 use crate::device;
-use crate::failure::{Failure, Refusal, Status};
+use crate::failure::{Failure, Refusal, Status, complain};
 use crate::json::Json;
 use crate::list::List;
 use crate::robot::Robot;
@@ -48,6 +48,15 @@ pub(crate) struct Arm<'a> {
     pub(crate) model: &'a Model,
 }
 
+/// What a command does with an arm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Use {
+    /// Looks where it is.
+    Look,
+    /// Moves it. One that is silent, as some are without power, is switched on first: it holds where it is.
+    Move,
+}
+
 /// Loads a table, opens its device, and does something with the arm.
 ///
 /// # Errors
@@ -55,6 +64,7 @@ pub(crate) struct Arm<'a> {
 pub(crate) fn with(
     table: &str,
     flags: &DeviceFlags,
+    purpose: Use,
     act: impl FnOnce(&mut Arm<'_>) -> Result<Status, Failure>,
 ) -> Result<Status, Failure> {
     let robot = Robot::load(table, Level::Quick)?;
@@ -72,8 +82,14 @@ pub(crate) fn with(
     }
     let port = port::open(&flags.port, settings.baud, Arc::new(RealClock::new()))
         .map_err(|error| Refusal::new("port", error.to_string()))?;
-    let driver = connect::connect(settings, joints, port)
+    let mut driver = connect::connect(settings, joints, port)
         .map_err(|error| Refusal::new("device", error.to_string()))?;
+    let silent =
+        |error: &dh_drivers::DriverError| matches!(error.cause, dh_drivers::driver::Cause::Silent { .. });
+    if purpose == Use::Move && driver.read_state().is_err_and(|error| silent(&error)) {
+        driver.torque(true).map_err(|error| Refusal::new("device", error.to_string()))?;
+        complain("the arm did not say where it is; its power was switched on");
+    }
     let robot_in_motion =
         motion::Robot::new(&mounted, driver).map_err(|error| Refusal::new("device", error.to_string()))?;
     let poses: Vec<NamedPose<'_>> = robot.model().poses.iter().map(named_pose).collect();

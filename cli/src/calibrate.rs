@@ -1,6 +1,6 @@
 //! `dhc calibrate`
 
-use crate::arm::{self, Arm, DeviceFlags};
+use crate::arm::{self, Arm, DeviceFlags, Use};
 use crate::failure::{Failure, Refusal, Status, complain};
 use dh_drivers::unit::Unit;
 use std::fs;
@@ -50,7 +50,7 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
     if arguments.device.unit.is_some() {
         return Err(Failure::Usage("--unit is what this command makes: leave it out".to_owned()));
     }
-    arm::with(&arguments.table, &arguments.device, |arm| {
+    arm::with(&arguments.table, &arguments.device, Use::Look, |arm| {
         // Names are looked up before anybody is asked to move an arm.
         let poses = arguments.pose.iter().map(|name| arm.pose(name)).collect::<Result<Vec<_>, _>>()?;
         if arguments.release {

@@ -1,6 +1,6 @@
 //! `dhc console`
 
-use crate::arm::{self, Arm, DeviceFlags, Watcher};
+use crate::arm::{self, Arm, DeviceFlags, Use, Watcher};
 use crate::failure::{Failure, Refusal, Status, complain};
 use crate::move_arm::Pace;
 use dh_core::{FULL_POSE, Frame, Target, TargetKind};
@@ -39,7 +39,7 @@ Ctrl-C stops a move; the arm holds.";
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, Failure> {
     let terminal = io::stdin().is_terminal();
-    arm::with(&arguments.table, &arguments.device, |arm| {
+    arm::with(&arguments.table, &arguments.device, Use::Move, |arm| {
         let mut pace = arguments.pace;
         let mut status = Status::Done;
         let mut input = io::stdin().lock();

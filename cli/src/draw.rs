@@ -1,6 +1,6 @@
 //! `dhc draw`
 
-use crate::arm::{self, Arm, DeviceFlags, Watcher};
+use crate::arm::{self, Arm, DeviceFlags, Use, Watcher};
 use crate::failure::{Failure, Refusal, Status};
 use crate::json::Json;
 use crate::move_arm::Pace;
@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
         path => fs::read_to_string(path),
     };
     let text = text.map_err(|error| Refusal::new("figure", format!("{}: {error}", arguments.figure)))?;
-    arm::with(&arguments.table, &arguments.device, |arm| {
+    arm::with(&arguments.table, &arguments.device, Use::Move, |arm| {
         let problem = problem(arm, arguments.problem.as_deref())?;
         let points = points(arm, &problem, &text, &arguments.figure)?;
         let mut moves = Vec::new();

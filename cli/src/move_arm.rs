@@ -1,6 +1,6 @@
 //! `dhc move`
 
-use crate::arm::{self, Arm, DeviceFlags, Watcher};
+use crate::arm::{self, Arm, DeviceFlags, Use, Watcher};
 use crate::failure::{Failure, Status};
 use crate::ik::target::{Flags, Trouble};
 use crate::list::List;
@@ -90,7 +90,7 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
             "where to? Give --joints, --pose, or a target (--position ...)".to_owned(),
         ));
     }
-    arm::with(&arguments.table, &arguments.device, |arm| {
+    arm::with(&arguments.table, &arguments.device, Use::Move, |arm| {
         let asked = arguments.pace.of(asked(arguments, arm)?, arm);
         if arguments.dry_run {
             let checked = arm.plan(&[asked])?;

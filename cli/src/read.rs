@@ -1,6 +1,6 @@
 //! `dhc read`
 
-use crate::arm::{self, DeviceFlags};
+use crate::arm::{self, DeviceFlags, Use};
 use crate::failure::{Failure, Status};
 use dh_drivers::clock::{Clock, RealClock};
 use std::io::Write;
@@ -33,7 +33,7 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
         Some(rate) => Some(period(rate)?),
         None => None,
     };
-    arm::with(&arguments.table, &arguments.device, |arm| {
+    arm::with(&arguments.table, &arguments.device, Use::Look, |arm| {
         let clock = RealClock::new();
         loop {
             let begun = clock.now();

@@ -9,6 +9,33 @@
 //!                                               profile
 //! ```
 //!
+//! ```no_run
+//! use dh_drivers::clock::RealClock;
+//! use dh_drivers::driver::{DeviceSettings, JointMap};
+//! use dh_drivers::motion::{Move, Robot};
+//! use dh_drivers::{connect, port};
+//! use dh_runtime::{Target, dh_robot};
+//! use std::sync::Arc;
+//!
+//! #[dh_robot("planar2r")]
+//! struct Planar;
+//!
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let settings = DeviceSettings::of_table("dynamixel", [("baud", "57600")])?;
+//!     let port = port::open("/dev/ttyUSB0", settings.baud, Arc::new(RealClock::new()))?;
+//!     let driver = connect::connect(settings, JointMap::of_table(&Planar)?, port)?;
+//!     let mut robot = Robot::new(&Planar, driver)?.with_poses(&Planar::POSES);
+//!     let at = |x, y| Target::Xy([x, y]); // m
+//!     robot.go(&[
+//!         Move::joints(&[0.3, -0.6]), // rad
+//!         Move::nearest("xy", at(0.2, 0.1)).slowed(0.5),
+//!         Move::line("xy", at(0.1, 0.1)).speed(0.05), // m/s
+//!     ])?;
+//!     println!("{:?}", robot.read()?.positions());
+//!     Ok(())
+//! }
+//! ```
+//!
 //! What is checked: limits of joints, of sums and of servos; workspace rules, for the tool point only, everywhere on
 //! the way; speed; along paths that solutions neither end, nor jump to another branch, nor come near a singularity.
 

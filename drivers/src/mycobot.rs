@@ -1,4 +1,25 @@
-//! The myCobot 280 of Elephant Robotics.
+//! The myCobot 280 of Elephant Robotics, with a Raspberry Pi or an M5 in its base.
+//!
+//! [`Frame`]s and the [`Command`]s they carry, [`Request`]s (checked when they are made) and [`Reply`]s (judged when they
+//! come), [`MyCobot`], the [`Driver`](crate::Driver), and [`SimulatedMyCobot`], an arm that is not there.
+//!
+//! **Nothing protects what is on the wire**: no checksum, no sequence number. [`MyCobot`] says what is done about it.
+//!
+//! **Nothing stops the arm when its program is gone.** It has no watchdog: killed in the middle of a move, a program
+//! leaves it going on to its last goal. What moves it is therefore one goal at a time, checked as a whole, and never a
+//! jog that goes on until it is stopped.
+//!
+//! **What is not here.** The firmware solves coordinates by itself; such moves cannot be checked before they are made,
+//! so that the driver reads coordinates and has no call that sends them. Poses go through
+//! [`motion`](crate::motion), which solves them from the table. [`Request`] can write all of them, for the simulated arm
+//! and for tests.
+//!
+//! Units: degrees of the device and millimetres in requests and replies, which are the protocol's own; radians and
+//! metres of the table in the driver.
+//!
+//! Sources: the bytes and times that the maker's client pymycobot 4.0.7 sends and takes (`tests/golden/mycobot.json`),
+//! and the maker's document `MyCobot_280_en`. Nothing here was tried on a real arm.
+
 mod command;
 mod device;
 mod frame;

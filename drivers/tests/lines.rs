@@ -105,10 +105,15 @@ fn reads_end_at_their_deadline() {
     assert!(clock.now() >= deadline && clock.now() - deadline < Duration::from_millis(200));
     assert_eq!(port.read(&mut buffer, Time::START).unwrap_err().kind, PortErrorKind::TimedOut);
     let mut terminal = terminal;
-    terminal.send(b"bytes").unwrap();
+    let mut send = |bytes| {
+        terminal.send(bytes).unwrap();
+        // The system carries them over when it finds the time.
+        std::thread::sleep(Duration::from_millis(100));
+    };
+    send(b"bytes");
     assert_eq!(port.read(&mut buffer, Time::START).unwrap(), 5);
     assert_eq!(&buffer[..5], b"bytes");
-    terminal.send(b"stale").unwrap();
+    send(b"stale");
     port.discard_input().unwrap();
     assert_eq!(port.read(&mut buffer, Time::START).unwrap_err().kind, PortErrorKind::TimedOut);
     port.set_baud(3_000_000).unwrap();

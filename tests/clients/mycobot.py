@@ -99,6 +99,20 @@ def session(dhc):
         arrive(arm)
         near(arm.get_coords()[:3], [149.98707521, -99.99309332, 69.97903252], 0.1, "its published position")
 
+        # Coordinates are solved by the arm: 20 mm up, the hand as it is; then one of them alone.
+        coords = arm.get_coords()
+        coords[2] += 20
+        equal(arm.send_coords(coords, 100, 1), 1, "send coordinates")
+        arrive(arm)
+        near(arm.get_coords(), coords, 0.11, "coordinates")
+        equal(arm.is_in_position(coords, 1), 1, "in position, by coordinates")
+        equal(arm.send_coord(1, coords[0] - 15, 100), 1, "send one coordinate")
+        arrive(arm)
+        near(arm.get_coords()[:1], [coords[0] - 15], 0.11, "one coordinate")
+        equal(arm.send_coords([281, 281, 412, 0, 0, 0], 100), 1, "coordinates that are out of reach")
+        equal(arm.get_error_information(), 32, "no solution")
+        equal(arm.clear_error_information(), 1, "cleared")
+
         equal(arm.send_angles([-90, 0, 0, 0, 0, 0], 10), 1, "a slow move")
         equal(arm.pause(), 1, "pause")
         equal(arm.is_paused(), 1, "is paused")

@@ -116,6 +116,7 @@ const DRIVER_ARROWS: &[(&str, &[&str])] = &[
     ("unit", &["driver"]),
     ("connect", &["clock", "port", "driver", "simulate", "dynamixel", "mycobot"]),
     ("wheels", &[]),
+    ("workspace_edge", &[]),
 ];
 
 #[test]

@@ -16,8 +16,8 @@ fn all(reader: &mut FrameReader) -> Vec<Frame> {
     std::iter::from_fn(|| reader.next_frame()).collect()
 }
 
-/// Frames are the same however the stream is cut, each comes back from its own bytes, and whatever it says is read or
-/// refused.
+/// Frames are the same however the stream is cut, each comes back from its own bytes, whatever it says is read or
+/// refused, and no byte is lost or counted twice.
 pub(crate) fn frames(bytes: &[u8]) {
     let mut reader = FrameReader::default();
     reader.push(bytes);
@@ -29,7 +29,9 @@ pub(crate) fn frames(bytes: &[u8]) {
         found_in_pieces.extend(all(&mut in_pieces));
     }
     assert_eq!(found, found_in_pieces);
-    while reader.next_after_gap().is_some() {}
+    let rest: Vec<Frame> = std::iter::from_fn(|| reader.next_after_gap()).collect();
+    let framed: usize = found.iter().chain(&rest).map(|frame| frame.encode().len()).sum();
+    assert_eq!((framed + reader.skipped() as usize, reader.pending()), (bytes.len(), 0));
     for frame in found {
         let mut reader = FrameReader::default();
         reader.push(&frame.encode());
@@ -43,28 +45,30 @@ pub(crate) fn frames(bytes: &[u8]) {
     }
 }
 
-/// Whatever is answered, calls end, in half a minute at the most, and positions that are believed are such that the arm
-/// can be there.
+/// Whatever is answered, calls end in time, and positions that are believed are such that the arm can be there.
 pub(crate) fn driver(bytes: &[u8]) {
     let clock = Arc::new(VirtualClock::new());
     let device = Arc::new(Mutex::new(Parrot::saying(bytes)));
     let port = SimulatedPort::new(device, clock.clone());
     let map = JointMap::of_table(&Arm).unwrap();
     let mut arm = MyCobot::new(Box::new(port), map, Model::Pi).unwrap();
-    let mut within = |call: &mut dyn FnMut(&mut MyCobot)| {
+    let mut within = |seconds: u64, call: &mut dyn FnMut(&mut MyCobot)| {
         let start = clock.now();
         call(&mut arm);
-        assert!(clock.now() - start <= Duration::from_secs(30));
+        assert!(clock.now() - start <= Duration::from_secs(seconds));
     };
-    within(&mut |arm| {
+    within(7, &mut |arm| {
         if let Ok(state) = arm.read_state() {
             assert!(state.positions().iter().all(|q| q.abs() < 6.3));
         }
     });
-    within(&mut |arm| {
+    within(7, &mut |arm| {
+        let _ = arm.coordinates();
+    });
+    within(13, &mut |arm| {
         let _ = arm.torque(true);
     });
-    within(&mut |arm| {
+    within(3, &mut |arm| {
         let _ = arm.stop();
     });
 }

@@ -20,7 +20,8 @@ use std::time::Duration;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// From one command of a stream to the next; left out, as often as the line's rate allows, 100 times a second at
-    /// most.
+    /// most. USB adapters that keep bytes for 16 ms, as many do until their latency timer is set to 1 ms, do not allow
+    /// that.
     pub period: Option<Duration>,
     /// The watchdog of a move for which [`Driver::watchdog`] was not called.
     pub watchdog: Duration,
@@ -203,12 +204,24 @@ impl Arm {
         error
     }
 
-    /// Sends each servo to where it comes to rest at the soonest, and disarms the watchdog, which may have tripped.
+    /// Sends each servo to where it comes to rest at the soonest. The watchdog stays armed until all have heard: where
+    /// that fails half-way, it stops the others.
     fn brake(&mut self) -> Result<(), DriverError> {
-        let ids = self.ids();
         self.braking = true;
+        let heard = self.rest();
+        if matches!(&heard, Err(error) if error.cause == Cause::Unheeded) {
+            self.release_watchdog()?;
+            self.rest()?;
+        } else {
+            heard?;
+        }
         self.write_all_same("stop", &BUS_WATCHDOG, 0)?;
         self.armed = None;
+        Ok(())
+    }
+
+    fn rest(&mut self) -> Result<(), DriverError> {
+        let ids = self.ids();
         let length = PRESENT_POSITION.address + PRESENT_POSITION.size - PRESENT_VELOCITY.address;
         let answers = self.bus.sync_read(&ids, PRESENT_VELOCITY.address, length);
         let answers = answers.map_err(|error| self.named(error))?;
@@ -221,6 +234,16 @@ impl Arm {
         self.write_all("stop", PROFILE_ACCELERATION.address, &data)
     }
 
+    /// Lets servos take goals again whose watchdog has tripped. Nobody says that they don't go on to the old goal then,
+    /// before they are told another one: they are made to crawl, and watched again at once.
+    fn release_watchdog(&mut self) -> Result<(), DriverError> {
+        let crawl = [PROFILE_ACCELERATION.bytes(0), PROFILE_VELOCITY.bytes(1)].concat();
+        self.write_all("stop", PROFILE_ACCELERATION.address, &vec![crawl; self.servos.len()])?;
+        let off = self.ids().into_iter().map(|id| (id, BUS_WATCHDOG.bytes(0))).collect::<Vec<_>>();
+        self.bus.sync_write(BUS_WATCHDOG.address, &off).map_err(|error| self.named(error))?;
+        self.watchdog(Some(self.settings.watchdog)).map(|_| ())
+    }
+
     fn torque_on(&mut self) -> Result<(), DriverError> {
         let command = "torque on";
         let latched = self.latched()?;
@@ -229,13 +252,11 @@ impl Arm {
         if let Some((joint, fault)) = fault {
             return Err(self.error(command, Some(joint), Cause::Fault(fault)));
         }
-        self.write_all_same(command, &BUS_WATCHDOG, 0)?;
-        self.armed = None;
         // Before and after: some firmware takes the present position for its goal when torque comes, some may not.
+        self.brake()?;
+        self.switch(command, true)?;
         let goals = self.read_all(&PRESENT_POSITION)?;
         let data = Self::profiles(&self.servos, &goals, |_| 0);
-        self.write_all(command, PROFILE_ACCELERATION.address, &data)?;
-        self.switch(command, true)?;
         self.write_all(command, PROFILE_ACCELERATION.address, &data)?;
         self.braking = false;
         Ok(())

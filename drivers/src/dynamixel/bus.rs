@@ -66,7 +66,10 @@ pub enum Confirmed {
 /// can be answered with the same number of bytes. Where they could, a read of another length goes between them, whose
 /// answer pushes out whatever is still on its way.
 ///
-/// Every request is answered, or has failed, before [`Bus::longest`] is over.
+/// Every request is answered, or has failed, before [`Bus::longest`] is over; opening a lost port anew comes on top.
+///
+/// A bus knows servos and no arm: what it writes nobody checks but the servo. It is for setting servos up and for looking
+/// at them; arms are moved by [`motion`](crate::motion), through [`Arm`](super::Arm).
 #[derive(Debug)]
 pub struct Bus {
     port: Box<dyn Port>,

@@ -17,7 +17,8 @@ const SLIDE: f64 = 0.1;
 /// The path is solved at this many places at least, besides its start.
 const LEAST_SAMPLES: f64 = 24.0;
 
-/// Solutions that are still a long step apart after so small a part of the way are two branches.
+/// Solutions that are still a long step apart after so small a part of the way are two branches; where there is none
+/// so near to one, they end.
 const SMALLEST_PART: f64 = 1e-6;
 
 /// How far joints may stand from the path's first solution (rad, or this times [`SLIDE`] m) and still count as standing
@@ -131,23 +132,19 @@ impl Walk<'_, '_> {
             let rest = length - way;
             let next = if rest <= stride { length } else { way + stride.min(rest / 2.0) };
             let target = self.path.at(next);
-            let solution = match self.solve(&target, &here) {
-                Ok(solution) => solution,
-                Err(reason) => {
-                    // A solution that goes on smoothly says best why it is not allowed.
-                    let reason = self.continued(&target, &here).unwrap_or(reason);
-                    return Err(self.at(reason, knots.len(), next));
-                }
-            };
-            let longest = furthest(self.arm, &here, &solution).1;
-            if longest > self.longest {
-                if next - way > length * SMALLEST_PART {
-                    stride = (next - way) / 2.0;
-                    continue;
-                }
-                let reason = self.continued(&target, &here).unwrap_or_else(|| self.jump(&here, &solution));
+            let solved = self.solve(&target, &here);
+            let near = |solution: &Vec<f64>| furthest(self.arm, &here, solution).1 <= self.longest;
+            if !solved.as_ref().is_ok_and(near) && next - way > length * SMALLEST_PART {
+                stride = (next - way) / 2.0;
+                continue;
+            }
+            let solution = solved
+                .map_err(|reason| self.at(self.ended(&target, &here).unwrap_or(reason), knots.len(), next))?;
+            if !near(&solution) {
+                let reason = self.ended(&target, &here).unwrap_or_else(|| self.jump(&here, &solution));
                 return Err(self.at(reason, knots.len(), next));
             }
+            let longest = furthest(self.arm, &here, &solution).1;
             self.singular(&target, &solution, knots.len(), next)?;
             knots.push(next);
             values.push(solution.clone());
@@ -164,11 +161,16 @@ impl Walk<'_, '_> {
         nearest(self.arm, self.problem, target, near)
     }
 
-    /// What the solution that goes on from here breaks, where there is one and it breaks something.
-    fn continued(&self, target: &Target, here: &[f64]) -> Option<Reason> {
+    /// Why solutions that are allowed do not go on from here: what the one that goes on breaks; or that none does, and
+    /// the nearest is elsewhere. Nothing where there is no solution at all; nor where a joint is free, so that there are
+    /// solutions all around.
+    fn ended(&self, target: &Target, here: &[f64]) -> Option<Reason> {
+        if self.arm.redundancy(self.problem).is_some() {
+            return None;
+        }
         let solution = singular::solve(self.arm, self.problem, target, here)?;
         if furthest(self.arm, here, &solution).1 > self.longest {
-            return None;
+            return Some(self.jump(here, &solution));
         }
         let violations = self.arm.check(&solution).err()?;
         violations.iter().next().map(|violation: Violation<'_>| violation.into())

@@ -1,7 +1,9 @@
 //! An arm with the limits that motion may use.
 
 use crate::driver::DeviceJoint;
-use dh_runtime::{Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Rules, SolutionSet, Target};
+use dh_runtime::{
+    Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rules, SolutionSet, Target,
+};
 
 /// The same arm with other limits of its joints: those of the table and what its device leaves of them. Inverse
 /// problems and checks then keep to both.
@@ -57,6 +59,18 @@ impl Kinematics for Narrowed<'_> {
     }
     fn ik_into(&self, problem: &str, target: &Target, out: &mut SolutionSet) -> Result<(), IkError> {
         self.arm.ik_into(problem, target, out)
+    }
+    fn ik_at_into(
+        &self,
+        problem: &str,
+        target: &Target,
+        free: &[f64],
+        out: &mut SolutionSet,
+    ) -> Result<(), IkError> {
+        self.arm.ik_at_into(problem, target, free, out)
+    }
+    fn redundancy(&self, problem: &str) -> Option<Redundancy<'_>> {
+        self.arm.redundancy(problem)
     }
     fn rules_point(&self, q: &[f64]) -> Result<[f64; 3], LengthError> {
         self.arm.rules_point(q)

@@ -11,11 +11,15 @@ use super::narrowed::Narrowed;
 use super::path::{self, NoPath, Path};
 use super::profile::Profile;
 use super::refusal::{JointName, Reason, Refusal, Sample};
+use super::settings::Tolerance;
 use super::timing;
 use crate::driver::{JointMap, Pace};
 use dh_runtime::{Joint, Kinematics, Limits, Rules, SumLimit, Target};
 use std::fmt;
 use std::time::Duration;
+
+/// A move that would take longer than this (s) is a mistake: half an hour.
+const LONGEST_MOVE: f64 = 1800.0;
 
 /// Between setpoints of a stream joints move in straight lines, and so they do between these places where a device
 /// makes its own profile (s).
@@ -130,7 +134,8 @@ impl<'k> Planner<'k> {
             .map_err(|reason| reason.at(step, Sample { index: 0, count: 1, part: 0.0 }))?;
         let courses = self.courses(start, asked, step)?;
         let needed = courses.iter().map(|(course, _)| course.duration()).sum();
-        if let Some(allowed) = asked.within.filter(|allowed| needed > *allowed) {
+        let allowed = asked.within.map_or(LONGEST_MOVE, |within| within.min(LONGEST_MOVE));
+        if needed > allowed {
             return Err(Reason::TooLong { needed, allowed }.of_step(step));
         }
         let mut leg = Leg { start: start.to_vec(), commands: Vec::new(), times: Vec::new() };
@@ -166,12 +171,15 @@ impl<'k> Planner<'k> {
                 let Some(path) = self.path(start, through).map_err(|reason| reason.of_step(step))? else {
                     return to(start);
                 };
+                let end = Sample { index: 1, count: 2, part: 1.0 };
+                // An end that can't be reached says more than the place where the way there breaks off.
+                nearest(&self.arm, problem, &path.at(path.length()), start)
+                    .map_err(|reason| reason.at(step, end))?;
                 let first = follow::onto(&self.arm, problem, &path, start);
                 let first =
                     first.map_err(|reason| reason.at(step, Sample { index: 0, count: 1, part: 0.0 }))?;
                 let mut courses = if first == start { Vec::new() } else { to(&first)? };
                 let joints = joints_along(&self.arm, problem, &path, &first, step)?;
-                let end = Sample { index: joints.knots().len(), count: joints.knots().len(), part: 1.0 };
                 let goal = joints.values().last().map_or(start, Vec::as_slice);
                 self.allowed(goal).map_err(|reason| reason.at(step, end))?;
                 let timing = timing::along(&self.arm, &dynamics, &joints, asked.speed, asked.part, step)?;
@@ -386,9 +394,10 @@ impl<'k> Planner<'k> {
     }
 
     /// Joint values that are beyond their limits by this much (rad or m) at most, brought back.
-    pub(super) fn inside(&self, q: &[f64], tolerance: f64) -> Vec<f64> {
-        let inside = |(value, joint): (&f64, &dh_runtime::Joint<'_>)| {
-            let limits = joint.limits.filter(|limits| (limits.clamp(*value) - value).abs() <= tolerance);
+    pub(super) fn inside(&self, q: &[f64], tolerance: &Tolerance) -> Vec<f64> {
+        let inside = |(value, joint): (&f64, &Joint<'_>)| {
+            let near = |limits: &Limits| (limits.clamp(*value) - value).abs() <= tolerance.of(joint.kind);
+            let limits = joint.limits.filter(near);
             limits.map_or(*value, |limits| limits.clamp(*value))
         };
         q.iter().zip(self.arm.joints()).map(inside).collect()

@@ -76,6 +76,8 @@ pub struct Robot<'k, D: Driver> {
     torque: bool,
     /// The arm was sent off and not seen at rest since.
     under_way: bool,
+    /// Why it was not seen the last time, if it was not.
+    unseen: Option<DriverError>,
     stop: StopHandle,
 }
 
@@ -106,7 +108,8 @@ impl fmt::Display for ConnectError {
 impl std::error::Error for ConnectError {}
 
 impl<'k, D: Driver> Robot<'k, D> {
-    /// Asks the device where the arm is. Torque stays as it is until the first move.
+    /// Asks the device where the arm is. Torque stays as it is until the first move; a device that says nothing without
+    /// power has to be switched on before, by [`Driver::torque`].
     ///
     /// # Errors
     /// Where the driver is another arm's, or the device does not answer.
@@ -124,6 +127,7 @@ impl<'k, D: Driver> Robot<'k, D> {
             held: None,
             torque: false,
             under_way: false,
+            unseen: None,
             stop: StopHandle::default(),
         })
     }
@@ -187,7 +191,7 @@ impl<'k, D: Driver> Robot<'k, D> {
         let seen = self.state.positions();
         match &self.held {
             Some(held) if self.furthest_beyond(&seen, held, &self.settings.start).is_none() => held.clone(),
-            _ => self.planner.inside(&seen, self.settings.start.revolute),
+            _ => self.planner.inside(&seen, &self.settings.start),
         }
     }
 

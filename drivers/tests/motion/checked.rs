@@ -7,11 +7,11 @@ use dh_runtime::{Kinematics, Rule, Target};
 use proptest::prelude::*;
 use std::time::Duration;
 
-fn planner(arm: &dyn Kinematics, pace: Pace) -> Planner<'_> {
+pub(crate) fn planner(arm: &dyn Kinematics, pace: Pace) -> Planner<'_> {
     Planner::new(arm, &JointMap::of_table(arm).unwrap(), pace).unwrap()
 }
 
-fn every(milliseconds: u64) -> Pace {
+pub(crate) fn every(milliseconds: u64) -> Pace {
     Pace::Stream { period: Duration::from_millis(milliseconds) }
 }
 
@@ -31,7 +31,7 @@ fn depth(arm: &dyn Kinematics, q: &[f64]) -> f64 {
 }
 
 /// Looks at straight lines between commands at places that have nothing to do with the checker's.
-fn assert_kept(arm: &dyn Kinematics, checked: &Checked, dynamics: &[Dynamics]) {
+pub(crate) fn assert_kept(arm: &dyn Kinematics, checked: &Checked, dynamics: &[Dynamics]) {
     let joints = arm.joints();
     for step in 0..checked.moves() {
         let mut before: Option<(f64, Vec<f64>)> = None;

@@ -101,6 +101,7 @@ fn a_refusal_sends_nothing_at_all() {
         Move::joints(&[0.0; 5]),
         Move::joints(&[f64::NAN, 0.0, 0.0, 0.0, 0.0, 0.0]),
         Move::joints(&[0.1; 6]).slowed(0.0),
+        Move::joints(&[0.2; 6]).slowed(1e-5),
         Move::joints(&[1.0; 6]).within(0.1),
         Move::nearest("tool_down", down(0.01)),
         Move::nearest("tool_up", down(0.1)),

@@ -67,8 +67,8 @@ pub(super) fn connect(mut bus: Bus, mut map: JointMap, settings: Settings) -> Re
 
 /// As often as the line allows: a goal for each servo and a read of their state, and a quarter more.
 fn period(bus: &Bus, servos: usize) -> Duration {
-    // Overhead of a group write, five bytes a goal; overhead of a group read, an id each; 28 bytes a state.
-    let wire = bus.wire_time((14 + 5 * servos) + (14 + servos) + 28 * servos);
+    // Overhead of a group write, five bytes a goal; overhead of a group read, an id each; 31 bytes a state.
+    let wire = bus.wire_time((14 + 5 * servos) + (14 + servos) + 31 * servos);
     let delays = Duration::from_micros(500) * servos as u32;
     let whole = (wire.mul_f64(1.25) + delays).as_secs_f64() * 1e3;
     SHORTEST.max(Duration::from_millis(whole.ceil() as u64 + 2))

@@ -6,7 +6,7 @@ use crate::driver::{DeviceJoint, DriverError, Effort, JointState, State};
 use crate::dynamixel::bus::Answer;
 use crate::dynamixel::control_table::{
     ACCELERATION_UNIT, CURRENT_UNIT, LOAD_UNIT, MOVING, PRESENT_LOAD, PRESENT_POSITION, PRESENT_VELOCITY,
-    REALTIME_TICK, Register, TEMPERATURE, TICKS_PER_TURN, TORQUE, VELOCITY_UNIT,
+    REALTIME_TICK, Register, TEMPERATURE, TICKS_PER_TURN, TORQUE, VELOCITY_TRAJECTORY, VELOCITY_UNIT,
 };
 use crate::dynamixel::status::hardware_fault;
 use std::f64::consts::TAU;
@@ -19,7 +19,7 @@ pub(super) struct Seen {
     ticks: Option<(Time, Vec<i64>)>,
     /// When they were how hot (°C): it is asked for less often.
     temperatures: Option<(Time, Vec<i64>)>,
-    /// Every other read is a byte longer, so that no answer can be taken for the one before it.
+    /// Every other read is a register longer, so that no answer can be taken for the one before it.
     odd: bool,
 }
 
@@ -65,7 +65,8 @@ impl Arm {
         let ids = self.ids();
         self.seen.odd = !self.seen.odd;
         let end = PRESENT_POSITION.address + PRESENT_POSITION.size;
-        let length = end - REALTIME_TICK.address + u16::from(self.seen.odd);
+        let more = if self.seen.odd { VELOCITY_TRAJECTORY.size } else { 0 };
+        let length = end - REALTIME_TICK.address + more;
         let answers = self.bus.sync_read(&ids, REALTIME_TICK.address, length);
         let answers = answers.map_err(|error| self.named(error))?;
         let stamp = self.bus.port().clock().now();

@@ -293,6 +293,38 @@ fn a_bad_line_leads_nobody_astray() {
     }
 }
 
+/// A goal far away, and a line that loses most of what passes: the driver tries to stop the arm, may fail half-way, and
+/// falls silent. Wherever it failed, the arm comes to rest, and not in the goal.
+#[test]
+fn whatever_is_lost_the_arm_stops() {
+    let mut failures = 0;
+    for seed in 0..300 {
+        let mut bench = Bench::new();
+        bench.device().seed(seed);
+        bench.arm.send(&command([-1.5, 1.5])).unwrap();
+        bench.arm.watchdog(None).unwrap();
+        bench.clock.advance(Duration::from_secs(1));
+        // Three radians, which take 1.25 s.
+        bench.arm.send(&command([1.5, -1.5])).unwrap();
+        bench.clock.advance(Duration::from_millis(100));
+        bench.device().faults = Faults { drop: 0.1 * (seed % 10) as f64, ..Faults::default() };
+        let asked = bench.arm.read_state().and_then(|_| bench.arm.stop());
+        failures += u32::from(asked.is_err());
+        bench.clock.advance(Duration::from_secs(2));
+        let (rest, q) = (bench.at_rest(), bench.q());
+        assert!(rest && q[0] < 1.45 && q[1] > -1.45, "seed {seed}: {q:?} after {asked:?}");
+        bench.device().faults = Faults::default();
+        bench.arm.torque(true).unwrap();
+        let held = bench.q();
+        assert!((held[0] - q[0]).abs() < 0.01 && (held[1] - q[1]).abs() < 0.01, "{q:?} {held:?}");
+        bench.clock.advance(Duration::from_secs(1));
+        // Goals are whole ticks.
+        let moved = bench.q().iter().zip(&held).map(|(now, held)| (now - held).abs()).fold(0.0, f64::max);
+        assert!(moved <= 0.5 * TAU / 4096.0 + 1e-12, "torque that comes on moves the arm by {moved}");
+    }
+    assert!((50..250).contains(&failures), "{failures}");
+}
+
 #[test]
 fn a_servo_that_started_anew_is_noticed() {
     let mut bench = Bench::new();

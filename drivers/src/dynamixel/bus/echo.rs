@@ -16,7 +16,9 @@ pub(super) const PINGED: usize = usize::MAX;
 /// How long that is.
 pub(super) const PING_LENGTH: usize = 3;
 
-/// The longest clearing read: the control table has no gap before address 14.
+/// Lengths of clearing reads from address 0 on: whole registers, of which there is no gap before address 14.
+const LENGTHS: [usize; 10] = [2, 6, 7, 8, 9, 10, 11, 12, 13, 14];
+/// The longest of them.
 pub(super) const LONGEST: usize = 14;
 
 impl Echo {
@@ -69,11 +71,10 @@ impl Echo {
     /// A length for a clearing read of this servo, which no other answer has.
     pub(super) fn other_length(&self, id: u8, expected: &[(u8, usize)]) -> usize {
         let answers = self.answers.as_deref().unwrap_or_default();
-        let taken = |length: &usize| {
-            *length == PING_LENGTH || answers.iter().chain(expected).any(|answer| *answer == (id, *length))
-        };
+        let taken = |length: usize| answers.iter().chain(expected).any(|answer| *answer == (id, length));
         // In turns, so that clearing reads differ from each other.
-        let turns = (1..=LONGEST).map(|step| (self.turn + step - 1) % LONGEST + 1);
-        turns.into_iter().find(|length| !taken(length)).unwrap_or(LONGEST)
+        let later = LENGTHS.into_iter().filter(|length| *length > self.turn);
+        let earlier = LENGTHS.into_iter().filter(|length| *length <= self.turn);
+        later.chain(earlier).find(|length| !taken(*length)).unwrap_or(LONGEST)
     }
 }

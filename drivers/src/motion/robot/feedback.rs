@@ -2,7 +2,8 @@
 
 use super::Robot;
 use crate::clock::Time;
-use crate::driver::{Driver, State};
+use crate::driver::{Cause, Driver, State};
+use crate::motion::command::Command;
 use crate::motion::error::MotionError;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -47,17 +48,29 @@ impl<D: Driver> Robot<'_, D> {
     /// Faults, feedback that is lost, an arm that strays.
     pub(super) fn watch_arm(&mut self, trail: &Trail) -> Result<(), MotionError> {
         match self.driver.read_state() {
-            Ok(state) => self.state = state,
+            Ok(state) => (self.state, self.unseen) = (state, None),
             Err(last) => {
                 let lost = self.now().since(self.state.stamp);
                 if lost >= self.settings.feedback {
                     return Err(MotionError::FeedbackLost { lost, last: Box::new(last) });
                 }
+                self.unseen = Some(last);
                 return Ok(());
             }
         }
         self.no_fault()?;
         self.on_trail(trail)
+    }
+
+    /// Sends a command.
+    ///
+    /// # Errors
+    /// Why it could not be sent. A driver that has given up because the arm was not seen tells only that it did.
+    pub(super) fn send(&mut self, command: &Command) -> Result<(), MotionError> {
+        self.driver.send(command).map_err(|error| match self.unseen.take() {
+            Some(first) if error.cause == Cause::Interrupted => MotionError::Driver(first),
+            _ => MotionError::Driver(error),
+        })
     }
 
     /// # Errors

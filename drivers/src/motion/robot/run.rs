@@ -99,7 +99,7 @@ impl<D: Driver> Robot<'_, D> {
             if self.stop.is_set() {
                 return self.brake(leg, index, period, &mut trail);
             }
-            self.driver.send(command)?;
+            self.send(command)?;
             due = (due + period).max(clock.now());
             trail.push(command.positions());
             self.watch_arm(&trail)?;
@@ -134,7 +134,7 @@ impl<D: Driver> Robot<'_, D> {
             place += rate;
             let command = leg.between(place, rate);
             clock.sleep_until(due);
-            self.driver.send(&command)?;
+            self.send(&command)?;
             due = (due + period).max(clock.now());
             trail.push(command.positions());
             self.watch_arm(trail)?;
@@ -153,7 +153,7 @@ impl<D: Driver> Robot<'_, D> {
             if self.stop.is_set() {
                 return Err(MotionError::Stopped);
             }
-            self.driver.send(command)?;
+            self.send(command)?;
             trail.push(command.positions());
             let allowed = Duration::from_secs_f64(PATIENCE * (time - then)) + self.settings.settling;
             let is_last = *time >= leg.times.last().copied().unwrap_or(0.0);
