@@ -11,7 +11,7 @@ impl Random {
         from + (to - from) * ((self.0 >> 11) as f64 / (1_u64 << 53) as f64)
     }
     fn joints(&mut self) -> [f64; 6] {
-        [0; 6].map(|_| self.next(-3.14, 3.14))
+        [0; 6].map(|_| self.next(-core::f64::consts::PI, core::f64::consts::PI))
     }
 }
 
@@ -134,8 +134,11 @@ fn arms() -> Vec<(&'static str, [[f64; 3]; 6])> {
     ]
 }
 
+/// Name, rows of a, alpha and d, charts.
+type Case = (&'static str, [[f64; 3]; 6], [Chart; 3]);
+
 /// Arms of all kinds with the charts that the compiler chooses for them.
-fn cases() -> Vec<(&'static str, [[f64; 3]; 6], [Chart; 3])> {
+fn cases() -> Vec<Case> {
     let line = Chart::new(1, true, 0, true, false, 8);
     let (near, far) = (Chart::new(1, true, 1, true, true, 8), Chart::new(4, false, 2, true, true, 8));
     let charts = |name: &str| match name {

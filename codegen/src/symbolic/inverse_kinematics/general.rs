@@ -78,6 +78,15 @@ pub fn chain(model: &Model, problem: &Problem) -> Result<General, Refusal> {
         general.links.push(link.compose(&before));
         link = Frame::IDENTITY;
     }
+    // An arm with fewer joints attains few poses: those that one with more joints attains with the added ones at 0.
+    let missing =
+        UNKNOWNS.saturating_sub(general.joints.iter().filter(|joint| joint.given.is_none()).count());
+    for number in 0..missing {
+        let aside = aside(number, model.reach());
+        general.joints.push(GeneralJoint { prismatic: false, row: None, given: None });
+        general.links.push(link.compose(&aside));
+        link = aside.inverse();
+    }
     general.links.push(link);
     if general.joints.iter().filter(|joint| joint.given.is_none()).count() != UNKNOWNS {
         return Err(Refusal::NoClosedForm);
@@ -89,6 +98,13 @@ pub fn chain(model: &Model, problem: &Problem) -> Result<General, Refusal> {
         general.q.push(Linear { terms, constant: form.offset.value() });
     }
     Ok(general)
+}
+
+/// A frame whose z axis neither meets another axis nor is parallel to it, but by accident.
+fn aside(number: usize, reach: f64) -> Frame {
+    let k = number as f64;
+    let position = [0.31 + 0.11 * k, 0.17 - 0.23 * k, 0.13 * k - 0.23].map(|x| x * reach);
+    Frame::from_rpy(position, [0.7 + 0.4 * k, 0.4 - 0.5 * k, -0.9])
 }
 
 /// How a row's value depends on the free ones.
