@@ -161,6 +161,8 @@ pub enum Step {
         stage: usize,
         /// The unknown, defined inside `body`.
         root: ValueId,
+        /// Its sine and cosine, of an angle of which the steps read them.
+        sin_cos: Option<[ValueId; 2]>,
         /// The equation.
         equation: Equation,
         /// What follows for each root.
@@ -183,6 +185,10 @@ pub enum Step {
     Accept {
         /// One a joint.
         q: Vec<Scalar>,
+        /// The tool frame there, as the outputs of [`FunctionKind::Fk`]; empty where that function is to be asked.
+        tool: Vec<Scalar>,
+        /// Whether a candidate that is slightly off is brought nearer to the pose: its joints are free to move then.
+        polish: bool,
     },
 }
 
@@ -197,6 +203,13 @@ pub enum Equation {
         b: Scalar,
         /// Right-hand side.
         c: Scalar,
+    },
+    /// The same where (a, b) has length 1 and (c, d, e) too: a sin x - b cos x = ± the length of (d, e).
+    TrigUnit {
+        /// Coefficients of cosine and sine, and the right-hand side.
+        row: [Scalar; 3],
+        /// d and e.
+        others: [Scalar; 2],
     },
     /// a1 cos x + b1 sin x = c1 and a2 cos x + b2 sin x = c2: one root.
     TrigPair {

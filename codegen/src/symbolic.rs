@@ -4,6 +4,7 @@
 //! `forward_kinematics`, `jacobian` and `inverse_kinematics` derive the equations; `redundancy` says which joint to give
 //! where there is one too many.
 
+mod addition;
 pub mod angle;
 pub mod chain;
 pub mod expression;

@@ -144,7 +144,7 @@ impl Verification<'_> {
         let poses = poses::poses(self.model, &any, self.level, self.reach, |_| true);
         let references: Vec<_> = poses.into_iter().map(|q| Reference::at(self.model, q)).collect();
         let mut found: Vec<Option<FunctionReport>> = Vec::new();
-        let (mut fk, mut solved) = (None, Vec::new());
+        let (mut sound, mut solved) = (Vec::new(), Vec::new());
         for function in &plan.functions {
             if solved.contains(&function.kind) {
                 found.push(None);
@@ -152,12 +152,14 @@ impl Verification<'_> {
             }
             let mut report = self.prepare(plan, function);
             if report.failure.is_none() {
-                let functions = fk.iter().chain([function]).cloned().collect();
+                let functions = sound.iter().chain([function]).cloned().collect();
                 let alone = Plan { constants: plan.constants.clone(), functions };
                 self.run(&alone, &references, &mut report);
             }
             match function.kind {
-                FunctionKind::Fk if report.failure.is_none() => fk = Some(function.clone()),
+                FunctionKind::Fk | FunctionKind::FkJacobian if report.failure.is_none() => {
+                    sound.push(function.clone());
+                }
                 FunctionKind::Inverse(_) if report.failure.is_none() => solved.push(function.kind.clone()),
                 _ => {}
             }
@@ -190,7 +192,7 @@ impl Verification<'_> {
         failed.into_iter().filter_map(next).collect()
     }
 
-    /// Runs the last function of a plan, whose only other one is `fk`, if that is sound.
+    /// Runs the last function of a plan, whose others are those that inverse functions rely on, as far as they are sound.
     fn run(&self, plan: &Plan, references: &[Reference<'_>], report: &mut FunctionReport) {
         let program = match Program::new(self.model, plan) {
             Ok(program) => program,

@@ -168,7 +168,7 @@ impl SixJoints<'_> {
             }
         }
         // Where the equations degenerate at this very pose, those of poses on both sides of it don't.
-        for chart in self.charts.iter().take(2) {
+        for chart in self.charts {
             for (size, side) in NEIGHBOURS {
                 let [x, y, z, roll, pitch, yaw] = side.map(|part| part * size);
                 let step = Frame::from_rpy([x, y, z].map(|length| length * self.reach), [roll, pitch, yaw]);
@@ -307,9 +307,20 @@ const USELESS: f64 = 1e-3;
 const FAR: f64 = 1e-5;
 
 /// Neighbouring poses that help where the equations degenerate: how far off they are (rad, reaches), and where. They come
-/// in opposite pairs, for of two solutions that meet at a pose there are two on one side of it and none on the other.
-const NEIGHBOURS: [(f64, [f64; 6]); 6] =
-    [(1e-6, ASIDE), (-1e-6, ASIDE), (1e-4, ASKEW), (-1e-4, ASKEW), (1e-3, ASIDE), (-1e-3, ASIDE)];
+/// in opposite pairs, for of two solutions that meet at a pose there are two on one side of it and none on the other. The
+/// near ones keep solutions that are about to vanish, the far ones tell many roots apart that meet at the pose.
+const NEIGHBOURS: [(f64, [f64; 6]); 10] = [
+    (1e-6, ASIDE),
+    (-1e-6, ASIDE),
+    (1e-4, ASKEW),
+    (-1e-4, ASKEW),
+    (1e-3, ASIDE),
+    (-1e-3, ASIDE),
+    (1e-2, ASKEW),
+    (-1e-2, ASKEW),
+    (4e-2, ASIDE),
+    (-4e-2, ASIDE),
+];
 
 /// No direction of symmetry.
 const ASIDE: [f64; 6] = [0.61, -0.45, 0.37, 0.53, 0.71, -0.42];
@@ -323,7 +334,7 @@ const NEARLY: f64 = 1e-6;
 const NOISE: f64 = 1e-8;
 
 /// A candidate whose error (reaches, rad) Newton's method doesn't bring below this is none.
-const FOUND: f64 = 1e-7;
+const FOUND: f64 = 1e-10;
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! What generated code needs at its edges: slices into arrays and back, targets into numbers.
 
 use crate::target::{Numbers, Target, TargetKind};
-use crate::{Float, IkError, LengthError};
+use crate::{Float, Frame, IkError, LengthError};
 
 /// Joint values as an array.
 ///
@@ -28,6 +28,19 @@ impl<S: Float> Target<S> {
     /// [`IkError::WrongTarget`], or those of [`Target::validate`].
     pub fn validate_as(&self, expected: TargetKind) -> Result<Self, IkError<S>> {
         if self.kind() == expected { self.validate() } else { Err(IkError::WrongTarget { expected }) }
+    }
+}
+
+impl<S: Float> Target<S> {
+    /// [`Target::validate`], of a pose.
+    ///
+    /// # Errors
+    /// [`IkError::WrongTarget`], or those of [`Target::validate`].
+    pub fn validate_pose(&self) -> Result<Frame<S>, IkError<S>> {
+        match self.validate_as(TargetKind::Pose)? {
+            Self::Pose(pose) => Ok(pose),
+            _ => Err(IkError::WrongTarget { expected: TargetKind::Pose }),
+        }
     }
 }
 

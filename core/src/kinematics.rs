@@ -115,7 +115,8 @@ pub trait Kinematics<S: Float = f64> {
 
     /// The solutions that limits and rules allow: see [`Solutions::within`](crate::Solutions::within). Where one joint
     /// is left to the caller: those of a sweep over its values that are nearest to the seed (without one, to the middle
-    /// of the limits); with a seed the first is the nearest that there is, see [`Redundancy::nearest`].
+    /// of the limits); of the full pose with a seed the first is the nearest that there is, see
+    /// [`Redundancy::nearest`].
     ///
     /// # Errors
     /// Why there is none; `out` is empty then.

@@ -46,7 +46,7 @@ pub use mounted::{Mounted, MountingFrame};
 #[cfg(feature = "nalgebra")]
 pub use nalgebra_types::{Jacobian, Pose, jacobian_from_columns};
 pub use polish::{Polished, polish};
-pub use redundancy::{FreeValues, Redundancy, SWEEP_SAMPLES};
+pub use redundancy::{Arm, FreeValues, Redundancy, SWEEP_SAMPLES};
 pub use rules::{Axis, Bound, KeepOut, Rule, Rules, Side, SumLimit, Violation, Violations, Winding};
 pub use search::{Candidates, Condition, Roots, Search};
 pub use solution_set::{SolutionSet, SolutionView};

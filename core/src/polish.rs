@@ -56,13 +56,13 @@ pub fn polish<const N: usize, S: Float>(
         let next = State::new(moved, target, per_reach, &mut pose_and_jacobian);
         if next.cost < at.cost {
             at = next;
-            damping = damping / S::from_f64(DAMPING);
+            damping /= S::from_f64(DAMPING);
         } else {
             let small = S::from_f64(SMALL) * S::EPSILON;
             if at.cost <= small * small {
                 break;
             }
-            damping = damping * S::from_f64(DAMPING);
+            damping *= S::from_f64(DAMPING);
         }
     }
     Polished {
@@ -169,10 +169,7 @@ fn damped_step<const N: usize, S: Float>(
         let unit = if size > S::ZERO { S::ONE / size } else { S::ZERO };
         first.upper = first.upper.map(|x| x * unit);
         first.lower = first.lower.map(|x| x * unit);
-        let (diagonal, behind) = match row.as_mut_slice() {
-            [diagonal, behind @ ..] => (diagonal, behind),
-            [] => break,
-        };
+        let [diagonal, behind @ ..] = row.as_mut_slice() else { break };
         *diagonal = unit;
         for (column, entry) in others.iter_mut().zip(behind) {
             *entry = first.dot(column);
@@ -186,17 +183,14 @@ fn damped_step<const N: usize, S: Float>(
     let mut step = [S::ZERO; N];
     let mut behind = 0;
     for (row, right) in factor.iter().rev() {
-        let (unit, entries) = match row.as_slice() {
-            [unit, entries @ ..] => (*unit, entries),
-            [] => break,
-        };
+        let [unit, entries @ ..] = row.as_slice() else { break };
         let mut value = *right;
         for (entry, found) in entries.iter().zip(step.iter().skip(N - behind)) {
             value += -(*entry * *found);
         }
         behind += 1;
         if let Some(slot) = step.get_mut(N - behind) {
-            *slot = value * unit;
+            *slot = value * *unit;
         }
     }
     step

@@ -1,9 +1,12 @@
 //! Arms with one joint more than their target needs: all of its solutions hang on the value of one joint, which the
 //! caller gives, or which is looked for here.
 
+mod curve;
 mod intervals;
 mod into_set;
 mod nearest;
+
+pub use nearest::Arm;
 
 use crate::{Float, IkError, Joint, JointKind, Limits, Rules, Solution, Solutions};
 
@@ -23,6 +26,9 @@ pub struct Redundancy<'a, S = f64> {
     pub rules: Rules<'a, S>,
     /// Bound on the distance of the tool point (m).
     pub reach: S,
+    /// Whether it prescribes the whole pose of the tool frame and nothing else, so that its solutions are the curves of
+    /// the Jacobian's null space.
+    pub whole_pose: bool,
 }
 
 /// Values of the joints that a problem leaves to the caller: a number where it is one joint, else an array.
@@ -71,9 +77,14 @@ impl<S: Float> Range<S> {
 }
 
 impl<'a, S> Redundancy<'a, S> {
-    /// A problem that leaves this joint (index of q) to the caller, of an arm with this reach (m).
-    pub const fn new(joint: usize, rules: Rules<'a, S>, reach: S) -> Self {
-        Self { joint, rules, reach }
+    /// The full pose of an arm with this reach (m), with this joint (index of q) left to the caller.
+    pub const fn of_pose(joint: usize, rules: Rules<'a, S>, reach: S) -> Self {
+        Self { joint, rules, reach, whole_pose: true }
+    }
+
+    /// Another problem that leaves this joint to the caller.
+    pub const fn of_problem(joint: usize, rules: Rules<'a, S>, reach: S) -> Self {
+        Self { joint, rules, reach, whole_pose: false }
     }
 }
 

@@ -128,11 +128,15 @@ impl<S: Float> Winding<'_, S> {
     }
 
     /// Takes whole turns away until the joint is in (-turn/2, turn/2].
+    #[inline]
     pub(crate) fn wrap(&self, q: &mut [S]) {
         let Some(value) = q.get_mut(self.joint) else {
             return;
         };
-        let before = *value;
+        let (before, half) = (*value, self.turn / S::TWO);
+        if before > -half && before <= half {
+            return;
+        }
         *value = crate::float::wrap(before, self.turn);
         let turns = ((*value - before) / self.turn).round();
         if turns != S::ZERO {

@@ -5,10 +5,13 @@ mod conditions;
 mod free;
 mod general;
 mod polynomial;
+mod pose;
+mod roots;
 mod trigonometric;
 
 pub use conditions::Condition;
 pub use general::Candidates;
+pub use roots::Roots;
 
 use crate::{Float, IkError, Rule, Solution, Solutions, Step, Winding, residual_tolerance};
 
@@ -31,7 +34,7 @@ const DOUBLE_ROOT: f64 = 4.0;
 /// const STEP_1: Step = Step::new(0, 0b1, false, Measure::Length);
 /// let mut search = Search::<1>::new(1.0, &[]);
 /// let mut roots = search.trig(STEP_1, 1.0, 0.0, 0.5);
-/// while let Some(theta1) = search.next(&mut roots) {
+/// while let Some((theta1, _, _)) = search.next_angle(&mut roots) {
 ///     search.accept([theta1], 0.0, 0.0);
 /// }
 /// let solutions = search.finish()?;
@@ -50,6 +53,10 @@ pub struct Search<'a, const N: usize, S = f64> {
     failure: Option<Failure<S>>,
     /// How many candidates were taken, those that were there already included.
     accepted: u32,
+    /// Whether a step had roots so near to each other, or so uncertain, that two branches may have met.
+    doubtful: bool,
+    /// Whether solutions that are off were brought nearer to their target: then those that stay off miss it.
+    polished: bool,
 }
 
 /// Why a branch ended.
@@ -67,46 +74,6 @@ const DEPTH_OF_MISSED: u32 = 0;
 /// A candidate that a condition refuses was a solution: it came further than any step.
 const DEPTH_OF_REFUSED: u32 = u32::MAX;
 
-/// Roots of an equation in one unknown: one or two, none, or any value where the coefficients vanish.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Roots<S = f64> {
-    roots: [Option<S>; 2],
-    /// How any value is chosen.
-    free: Option<free::Free<S>>,
-}
-
-impl<S> Roots<S> {
-    const fn one(root: S) -> Self {
-        Self { roots: [Some(root), None], free: None }
-    }
-    const fn two(first: S, second: S) -> Self {
-        Self { roots: [Some(first), Some(second)], free: None }
-    }
-}
-
-impl<S: Float> Roots<S> {
-    /// No root.
-    pub const NONE: Self = Self { roots: [None, None], free: None };
-
-    /// How many roots there are.
-    pub fn len(&self) -> usize {
-        self.into_iter().count()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-}
-
-impl<S> IntoIterator for Roots<S> {
-    type Item = S;
-    type IntoIter = core::iter::Flatten<core::array::IntoIter<Option<S>, 2>>;
-    fn into_iter(self) -> Self::IntoIter {
-        self.roots.into_iter().flatten()
-    }
-}
-
 impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     /// A new search. The reach (m) of the arm gives tolerances their scale; the windings
     /// ([`Rules::windings`](crate::Rules::windings)) say which whole turns make no difference.
@@ -121,6 +88,8 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             free_rows: [0; u32::BITS as usize],
             failure: None,
             accepted: 0,
+            doubtful: false,
+            polished: false,
         }
     }
 
@@ -153,10 +122,14 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     /// Where nothing was: the failure of the branch that came furthest; of several at the same step, the one that
     /// failed by least.
     pub fn finish(self) -> Result<Solutions<N, S>, IkError<S>> {
-        if self.solutions.is_empty() {
+        let mut solutions = self.solutions;
+        if self.polished {
+            solutions.drop_misses(self.reach);
+        }
+        if solutions.is_empty() {
             return Err(self.failure.map_or(IkError::NotFinite, |failure| failure.error));
         }
-        Ok(self.solutions)
+        Ok(solutions)
     }
 
     fn fail(&mut self, depth: u32, miss: S, error: IkError<S>) {
@@ -173,6 +146,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     }
 
     /// A step begins: what it left free on another branch is forgotten.
+    #[inline]
     fn begin(&mut self, step: Step) -> Scale<S> {
         self.free_steps &= !bit(step);
         let size = step.measure.scale(self.reach);
@@ -189,10 +163,11 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             return self.singular(step, gap, scale);
         }
         self.mark_free(step);
-        Roots::free(step, self.accepted)
+        Roots::any(step, S::ZERO, self.accepted)
     }
 
     fn mark_free(&mut self, step: Step) {
+        self.doubtful = true;
         self.free_steps |= bit(step);
         if let Some(row) = self.free_rows.get_mut(usize::from(step.index)) {
             *row = step.first_row() as u8;

@@ -73,6 +73,11 @@ impl<S: Float> SolutionSet<S> {
         self.solutions.len()
     }
 
+    /// How many solutions found no room.
+    pub fn dropped(&self) -> usize {
+        self.solutions.dropped()
+    }
+
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.solutions.is_empty()

@@ -5,9 +5,9 @@
 use ::core::f64::consts::{FRAC_PI_2, PI, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    FULL_POSE, Float, Frame, FreeValues, IkError, Jacobian, Joint, Kinematics, LengthError, Limits,
-    Measure, Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search, Servo, Solution,
-    SolutionSet, Solutions, Step, Target, TargetKind, Violations, Winding, copy_into,
+    Arm, FULL_POSE, Float, Frame, FreeValues, IkError, Jacobian, Joint, Kinematics, LengthError,
+    Limits, Measure, Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search, Servo,
+    Solution, SolutionSet, Solutions, Step, Target, TargetKind, Violations, Winding, copy_into,
     jacobian_from_columns, joint_array,
 };
 
@@ -226,7 +226,7 @@ impl CraneX7 {
     ///           n1 = d1 (2 pz0 - d1) - (px0^2 + py0^2 + pz0^2 - d5^2 - d3^2)
     ///           (squared distance of the position from the origin of frame 1)
     /// theta1:   py0 c1 - px0 s1 = -z1
-    ///           z1 = d5 s3 s4
+    ///           z1 = d5 s4 s3
     ///           (row 3 of the position in frame 1)
     /// theta2:   d5 s4 c3 c2 + (d5 c4 + d3) s2 = -x1
     ///           (d5 c4 + d3) c2 - d5 s4 c3 s2 = z0
@@ -235,16 +235,16 @@ impl CraneX7 {
     ///           (rows 1 and 2 of the position in frame 1)
     /// theta6:   c6 = -zz4_2
     ///           zz4 = s4 s3 (r13 s1 - r23 c1)
-    ///           zz4_2 = (c4 (r13 c1 + r23 s1) + s4 r33 c3) s2 + c2 (s4 c3 (r13 c1 + r23 s1) -
+    ///           zz4_2 = s2 (c4 (r13 c1 + r23 s1) + s4 r33 c3) + c2 (s4 c3 (r13 c1 + r23 s1) -
     ///           r33 c4) - zz4
-    ///           (row 3 of the z axis in frame 4)
-    /// theta5:   s6 c5 = zx4_2
-    ///           s6 s5 = zz3_2
     ///           zx4 = c4 s3 (r13 s1 - r23 c1)
     ///           zx4_2 = s2 (s4 (r13 c1 + r23 s1) - c4 r33 c3) - (c2 (c4 c3 (r13 c1 + r23 s1) +
     ///           r33 s4) - zx4)
     ///           zz3 = c3 (r13 s1 - r23 c1)
-    ///           zz3_2 = s3 ((r13 c1 + r23 s1) c2 + r33 s2) + zz3
+    ///           zz3_2 = s3 (c2 (r13 c1 + r23 s1) + r33 s2) + zz3
+    ///           (row 3 of the z axis in frame 4)
+    /// theta5:   s6 c5 = zx4_2
+    ///           s6 s5 = zz3_2
     ///           (rows 1 and 2 of the z axis in frame 4)
     /// theta7:   (c6 (c3 s5 + c4 s3 c5) - s4 s3 s6) c7 + (c3 c5 - c4 s3 s5) s7 = -xz1
     ///           (c3 c5 - c4 s3 s5) c7 - (c6 (c3 s5 + c4 s3 c5) - s4 s3 s6) s7 = -yz1
@@ -253,7 +253,7 @@ impl CraneX7 {
     ///           (row 3 of the x axis in frame 1; row 3 of the y axis in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 53 multiplications, 29 additions, 6 sine-cosine pairs.
+    /// Besides solving, on each branch: 124 multiplications, 64 additions, 1 sine-cosine pair.
     ///
     /// # Errors
     ///
@@ -263,7 +263,7 @@ impl CraneX7 {
     }
 
     /// The joint that `ik_at` leaves to the caller: J3 (rad).
-    pub const REDUNDANCY: Redundancy<'static> = Redundancy::new(2, Self::RULES, REACH);
+    pub const REDUNDANCY: Redundancy<'static> = Redundancy::of_pose(2, Self::RULES, REACH);
 
     /// [`Self::ik_at`] at 16 values of J3 (rad), spread evenly over its limits (over the whole turn
     /// where these leave it): every geometric solution that brings the tool frame to a pose, limits
@@ -302,10 +302,9 @@ impl CraneX7 {
     /// of them breaks.
     pub fn ik_nearest(&self, target: &Pose, seed: &[f64; 7]) -> Result<Solution<7>, IkError> {
         let target = &Target::Pose(target.into());
-        let target = &target.validate()?;
         let at = |free| solve_pose(target, &[free]);
-        let errors = |q: &[f64; 7]| target.errors(&forward_kinematics(q));
-        Self::REDUNDANCY.nearest(at, tool_point, errors, seed)
+        let arm = Arm::new(at, pose_and_jacobian);
+        Self::REDUNDANCY.nearest(arm, tool_point, target, seed)
     }
 
     /// Every geometric solution of the table's problem `planar`, limits ignored; joints that turn
@@ -327,12 +326,12 @@ impl CraneX7 {
     ///           (row 3 of the position in frame 0)
     /// theta1:   px c1 + py s1 = -x1
     ///           py c1 - px s1 = 0
+    ///           s24 = s4 c2 + c4 s2
     ///           x1 = (tool_z + d5) s24 + d3 s2
     ///           (rows 1 and 3 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 9 multiplications, 10 additions, 3 sine-cosine pairs (and 1
-    /// addition in their arguments).
+    /// Besides solving, on each branch: 23 multiplications, 15 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -387,12 +386,12 @@ impl CraneX7 {
     ///           (row 3 of the position in frame 0)
     /// theta1:   px c1 + py s1 = -x1
     ///           py c1 - px s1 = 0
+    ///           s24 = s4 c2 + c4 s2
     ///           x1 = d3 s2 + d5 s24
     ///           (rows 1 and 3 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 7 multiplications, 8 additions, 3 sine-cosine pairs (and 1
-    /// addition in their arguments).
+    /// Besides solving, on each branch: 35 multiplications, 21 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -844,7 +843,11 @@ fn tool_point(q: &[f64; 7]) -> [f64; 3] {
 }
 
 /// Every solution of the full pose.
-#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(
+    clippy::similar_names,
+    clippy::too_many_lines,
+    reason = "the names are those of the equations"
+)]
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError> {
     const THETA4: Step = Step::new(0, 0b1000, false, Measure::Area);
@@ -854,8 +857,8 @@ fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError>
     const THETA5: Step = Step::new(4, 0b1_0000, false, Measure::Ratio);
     const THETA7: Step = Step::new(5, 0b100_0000, false, Measure::Ratio);
 
-    let target = target.validate_as(TargetKind::Pose)?;
-    let [r11, r12, r13, px, r21, r22, r23, py, _, _, r33, pz] = target.numbers().array();
+    let pose = target.validate_pose()?;
+    let [r11, r12, r13, px, r21, r22, r23, py, _, _, r33, pz] = pose.rows();
     let [q3] = *free;
     let mut search = Search::new(REACH, &WINDINGS);
     let (s3, c3) = Float::sin_cos(q3);
@@ -866,14 +869,12 @@ fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError>
 
     // theta4: 2 d3 d5 c4 = -n1 (squared distance of the position from the origin of frame 1)
     let mut roots = search.trig(THETA4, K1, 0.0, -n1);
-    while let Some(theta4) = search.next(&mut roots) {
-        let (s4, c4) = Float::sin_cos(theta4);
-        let z1 = D5 * s3 * s4;
+    while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
+        let z1 = s4 * (D5 * s3);
 
         // theta1: py0 c1 - px0 s1 = -z1 (row 3 of the position in frame 1)
         let mut roots = search.trig(THETA1, py0, -px0, -z1);
-        while let Some(theta1) = search.next(&mut roots) {
-            let (s1, c1) = Float::sin_cos(theta1);
+        while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
             let t1 = s4 * (D5 * c3);
             let t2 = D5 * c4 + D3;
             let x1 = px0 * c1 + py0 * s1;
@@ -882,29 +883,25 @@ fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError>
             // theta2: d5 s4 c3 c2 + (d5 c4 + d3) s2 = -x1; (d5 c4 + d3) c2 - d5 s4 c3 s2 = z0
             // (rows 1 and 2 of the position in frame 1)
             let mut roots = search.trig_pair(THETA2, [t1, t2, -x1], [t2, -t1, z0]);
-            while let Some(theta2) = search.next(&mut roots) {
-                let (s2, c2) = Float::sin_cos(theta2);
+            while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
                 let t3 = r13 * c1 + r23 * s1;
                 let t4 = r33 * c3;
                 let t5 = c3 * t3;
                 let t6 = r13 * s1 - r23 * c1;
                 let t7 = s3 * t6;
                 let zz4 = s4 * t7;
-                let zz4_2 = (c4 * t3 + s4 * t4) * s2 + (c2 * (s4 * t5 - r33 * c4) - zz4);
+                let zz4_2 = s2 * (c4 * t3 + s4 * t4) + (c2 * (s4 * t5 - r33 * c4) - zz4);
+                let zx4 = c4 * t7;
+                let zx4_2 = s2 * (s4 * t3 - c4 * t4) - (c2 * (c4 * t5 + r33 * s4) - zx4);
+                let zz3 = c3 * t6;
+                let zz3_2 = s3 * (c2 * t3 + r33 * s2) + zz3;
 
                 // theta6: c6 = -zz4_2 (row 3 of the z axis in frame 4)
-                let mut roots = search.trig(THETA6, 1.0, 0.0, -zz4_2);
-                while let Some(theta6) = search.next(&mut roots) {
-                    let (s6, c6) = Float::sin_cos(theta6);
-                    let zx4 = c4 * t7;
-                    let zx4_2 = s2 * (s4 * t3 - c4 * t4) - (c2 * (c4 * t5 + r33 * s4) - zx4);
-                    let zz3 = c3 * t6;
-                    let zz3_2 = s3 * (t3 * c2 + r33 * s2) + zz3;
-
+                let mut roots = search.trig_unit(THETA6, [1.0, 0.0, -zz4_2], [-zx4_2, -zz3_2]);
+                while let Some((theta6, s6, c6)) = search.next_angle(&mut roots) {
                     // theta5: s6 c5 = zx4_2; s6 s5 = zz3_2 (rows 1 and 2 of the z axis in frame 4)
                     let mut roots = search.trig_pair(THETA5, [s6, 0.0, zx4_2], [0.0, s6, zz3_2]);
-                    while let Some(theta5) = search.next(&mut roots) {
-                        let (s5, c5) = Float::sin_cos(theta5);
+                    while let Some((theta5, s5, c5)) = search.next_angle(&mut roots) {
                         let t8 = c6 * (c3 * s5 + c4 * (s3 * c5)) - s4 * (s3 * s6);
                         let t9 = c3 * c5 - c4 * (s3 * s5);
                         let xz1 = r11 * s1 - r21 * c1;
@@ -915,11 +912,50 @@ fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError>
                         // -yz1
                         // (row 3 of the x axis in frame 1; row 3 of the y axis in frame 1)
                         let mut roots = search.trig_pair(THETA7, [t8, t9, -xz1], [t9, -t8, -yz1]);
-                        while let Some(theta7) = search.next(&mut roots) {
+                        while let Some((theta7, s7, c7)) = search.next_angle(&mut roots) {
+                            let t10 = c1 * c2;
+                            let t11 = s3 * s1 - c3 * t10;
+                            let t12 = c1 * s2;
+                            let t13 = c4 * t11 + s4 * t12;
+                            let t14 = c3 * s1 + s3 * t10;
+                            let t15 = s5 * t13 - c5 * t14;
+                            let t16 = c5 * t13 + s5 * t14;
+                            let t17 = s4 * t11 - c4 * t12;
+                            let t18 = c6 * t16 - s6 * t17;
+                            let t19 = c6 * t17 + s6 * t16;
+                            let t20 = s1 * c2;
+                            let t21 = s3 * c1 + c3 * t20;
+                            let t22 = s1 * s2;
+                            let t23 = c4 * t21 - s4 * t22;
+                            let t24 = c3 * c1 - s3 * t20;
+                            let t25 = s5 * t23 - c5 * t24;
+                            let t26 = c5 * t23 + s5 * t24;
+                            let t27 = s4 * t21 + c4 * t22;
+                            let t28 = c6 * t26 - s6 * t27;
+                            let t29 = c6 * t27 + s6 * t26;
+                            let t30 = c3 * s2;
+                            let t31 = s4 * c2 + c4 * t30;
+                            let t32 = s3 * s2;
+                            let t33 = s5 * t31 + t32 * c5;
+                            let t34 = c5 * t31 - t32 * s5;
+                            let t35 = c4 * c2 - s4 * t30;
+                            let t36 = c6 * t34 + s6 * t35;
+                            let t37 = c6 * t35 - s6 * t34;
+
                             let q = [theta1, theta2, q3, theta4, theta5, theta6, theta7];
-                            let (position_error, rotation_error) =
-                                target.errors(&forward_kinematics(&q));
-                            search.accept(q, position_error, rotation_error);
+                            let tool = Frame {
+                                rotation: [
+                                    [s7 * t15 - c7 * t18, c7 * t15 + s7 * t18, t19],
+                                    [c7 * t28 - s7 * t25, -(c7 * t25 + s7 * t28), -t29],
+                                    [c7 * t36 - s7 * t33, -(c7 * t33 + s7 * t36), t37],
+                                ],
+                                translation: [
+                                    TOOL_Z * t19 - (D3 * t12 - D5 * t17),
+                                    -(D3 * t22 + D5 * t27 + TOOL_Z * t29),
+                                    D3 * c2 + D1 + D5 * t35 + TOOL_Z * t37,
+                                ],
+                            };
+                            search.accept_pose(q, &tool, &pose, pose_and_jacobian);
                         }
                     }
                 }
@@ -944,24 +980,37 @@ fn solve_planar(target: &Target) -> Result<Solutions<7>, IkError> {
     // theta4: d3 (2 tool_z + 2 d5) c4 = -n1
     // (squared distance of the position from the origin of frame 1)
     let mut roots = search.trig(THETA4, K4, 0.0, -n1);
-    while let Some(theta4) = search.next(&mut roots) {
-        let (s4, c4) = Float::sin_cos(theta4);
+    while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
+        let y3 = K7 * c4;
+        let z2 = y3 + D3;
+        let nx3 = K7 * s4;
         let z0 = pz - D1;
 
         // theta2: ((tool_z + d5) c4 + d3) c2 - (tool_z + d5) s4 s2 = z0
         // (row 3 of the position in frame 0)
-        let mut roots = search.trig(THETA2, K7 * c4 + D3, -K7 * s4, z0);
-        while let Some(theta2) = search.next(&mut roots) {
-            let (s24, _) = Float::sin_cos(theta4 + theta2);
-            let (s2, _) = Float::sin_cos(theta2);
+        let mut roots = search.trig(THETA2, z2, -nx3, z0);
+        while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+            let s24 = s4 * c2 + c4 * s2;
             let x1 = K7 * s24 + D3 * s2;
 
             // theta1: px c1 + py s1 = -x1; py c1 - px s1 = 0
             // (rows 1 and 3 of the position in frame 1)
             let mut roots = search.trig_pair(THETA1, [px, py, -x1], [py, -px, 0.0]);
-            while let Some(theta1) = search.next(&mut roots) {
+            while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
+                let c24 = c4 * c2 - s4 * s2;
+                let nx1 = z2 * s2 + nx3 * c2;
+                let ny1 = nx3 * s2 - z2 * c2;
+
                 let q = [theta1, theta2, 0.0, theta4, 0.0, 0.0, 0.0];
-                let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                let tool = Frame {
+                    rotation: [
+                        [c24 * c1, -s1, -s24 * c1],
+                        [c24 * s1, c1, -s24 * s1],
+                        [s24, 0.0, c24],
+                    ],
+                    translation: [-nx1 * c1, -nx1 * s1, D1 - ny1],
+                };
+                let (position_error, rotation_error) = target.errors(&tool);
                 search.accept(q, position_error, rotation_error);
             }
         }
@@ -984,22 +1033,41 @@ fn solve_wrist_down(target: &Target) -> Result<Solutions<7>, IkError> {
     // theta4: 2 d3 d5 c4 = px^2 + py^2 + z0^2 - d5^2 - d3^2
     // (squares of all rows of the position in frame 0)
     let mut roots = search.trig(THETA4, K1, 0.0, px * px + py * py + z0 * z0 - K2 - K3);
-    while let Some(theta4) = search.next(&mut roots) {
-        let (s4, c4) = Float::sin_cos(theta4);
-
+    while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
         // theta2: (d5 c4 + d3) c2 - d5 s4 s2 = z0 (row 3 of the position in frame 0)
         let mut roots = search.trig(THETA2, D5 * c4 + D3, -D5 * s4, z0);
-        while let Some(theta2) = search.next(&mut roots) {
-            let (s24, _) = Float::sin_cos(theta4 + theta2);
-            let (s2, _) = Float::sin_cos(theta2);
+        while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+            let s24 = s4 * c2 + c4 * s2;
             let x1 = D3 * s2 + D5 * s24;
 
             // theta1: px c1 + py s1 = -x1; py c1 - px s1 = 0
             // (rows 1 and 3 of the position in frame 1)
             let mut roots = search.trig_pair(THETA1, [px, py, -x1], [py, -px, 0.0]);
-            while let Some(theta1) = search.next(&mut roots) {
+            while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
+                let c24 = c4 * c2 - s4 * s2;
+                let nr11_3 = c4 * c24 + s4 * s24;
+                let r13_3 = s4 * c24 - c4 * s24;
+                let nr11_1 = c2 * nr11_3 - s2 * r13_3;
+                let r13_1 = s2 * nr11_3 + c2 * r13_3;
+                let nx5 = TOOL_Z * s24;
+                let ny5 = TOOL_Z * c24;
+                let nz4 = ny5 - D5;
+                let nx3 = c4 * nx5 - s4 * nz4;
+                let ny3 = s4 * nx5 + c4 * nz4;
+                let nz2 = ny3 - D3;
+                let nx1 = c2 * nx3 - s2 * nz2;
+                let ny1 = s2 * nx3 + c2 * nz2;
+
                 let q = [theta1, theta2, 0.0, theta4, 0.0, -theta2 - theta4 - PI, 0.0];
-                let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                let tool = Frame {
+                    rotation: [
+                        [-c1 * nr11_1, -s1, c1 * r13_1],
+                        [-s1 * nr11_1, c1, s1 * r13_1],
+                        [-r13_1, 0.0, -nr11_1],
+                    ],
+                    translation: [-c1 * nx1, -s1 * nx1, D1 - ny1],
+                };
+                let (position_error, rotation_error) = target.errors(&tool);
                 search.accept(q, position_error, rotation_error);
             }
         }

@@ -192,7 +192,7 @@ impl Elbow3R {
     ///           (rows 1 and 2 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 9 multiplications, 6 additions, 2 sine-cosine pairs.
+    /// Besides solving, on each branch: 23 multiplications, 11 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -242,12 +242,12 @@ impl Elbow3R {
     ///           (row 3 of the position in frame 0)
     /// theta1:   px c1 + py s1 = x1
     ///           py c1 - px s1 = 0
+    ///           c23 = c3 c2 - s3 s2
     ///           x1 = a2 c2 + a3 c23
     ///           (rows 1 and 3 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 9 multiplications, 9 additions, 3 sine-cosine pairs (and 1
-    /// addition in their arguments).
+    /// Besides solving, on each branch: 21 multiplications, 13 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -304,12 +304,12 @@ impl Elbow3R {
     ///           (row 3 of the position in frame 0)
     /// theta1:   px c1 + py s1 = x1
     ///           py c1 - px s1 = 0
+    ///           c23 = c3 c2 - s3 s2
     ///           x1 = a2 c2 + a3 c23
     ///           (rows 1 and 3 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 9 multiplications, 9 additions, 3 sine-cosine pairs (and 1
-    /// addition in their arguments).
+    /// Besides solving, on each branch: 21 multiplications, 13 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -482,20 +482,18 @@ fn solve_pose(target: &Target) -> Result<Solutions<3>, IkError> {
     const THETA23: Step = Step::new(1, 0b110, false, Measure::Ratio);
     const THETA3: Step = Step::new(2, 0b100, false, Measure::Length);
 
-    let target = target.validate_as(TargetKind::Pose)?;
-    let [r11, _, r13, px, r21, _, r23, py, r31, _, _, pz] = target.numbers().array();
+    let pose = target.validate_pose()?;
+    let [r11, _, r13, px, r21, _, r23, py, r31, _, _, pz] = pose.rows();
     let mut search = Search::new(REACH, &WINDINGS);
 
     // theta1: s1 = r13; c1 = -r23 (rows 1 and 2 of the z axis in frame 0)
     let mut roots = search.trig_pair(THETA1, [0.0, 1.0, r13], [1.0, 0.0, -r23]);
-    while let Some(theta1) = search.next(&mut roots) {
-        let (s1, c1) = Float::sin_cos(theta1);
+    while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
         let xx1 = r11 * c1 + r21 * s1;
 
         // theta23: c23 = xx1; s23 = r31 (rows 1 and 2 of the x axis in frame 1)
         let mut roots = search.trig_pair(THETA23, [1.0, 0.0, xx1], [0.0, 1.0, r31]);
-        while let Some(theta23) = search.next(&mut roots) {
-            let (s23, c23) = Float::sin_cos(theta23);
+        while let Some((theta23, s23, c23)) = search.next_angle(&mut roots) {
             let t1 = A2 * c23;
             let t2 = A2 * s23;
             let px0 = px - A3 * r11;
@@ -507,10 +505,24 @@ fn solve_pose(target: &Target) -> Result<Solutions<3>, IkError> {
             // theta3: a2 c23 c3 + a2 s23 s3 = x1; a2 s23 c3 - a2 c23 s3 = z0
             // (rows 1 and 2 of the position in frame 1)
             let mut roots = search.trig_pair(THETA3, [t1, t2, x1], [t2, -t1, z0]);
-            while let Some(theta3) = search.next(&mut roots) {
+            while let Some((theta3, s3, c3)) = search.next_angle(&mut roots) {
+                let x1_2 = A3 * c23;
+                let c2 = c23 * c3 + s23 * s3;
+                let x1_v2 = x1_2 + A2 * c2;
+                let y1_2 = A3 * s23;
+                let s2 = s23 * c3 - c23 * s3;
+                let y1 = y1_2 + A2 * s2;
+
                 let q = [theta1, theta23 - theta3, theta3];
-                let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
-                search.accept(q, position_error, rotation_error);
+                let tool = Frame {
+                    rotation: [
+                        [c1 * c23, -c1 * s23, s1],
+                        [s1 * c23, -s1 * s23, -c1],
+                        [s23, c23, 0.0],
+                    ],
+                    translation: [c1 * x1_v2, s1 * x1_v2, y1 + D1],
+                };
+                search.accept_pose(q, &tool, &pose, pose_and_jacobian);
             }
         }
     }
@@ -531,23 +543,34 @@ fn solve_position(target: &Target) -> Result<Solutions<3>, IkError> {
 
     // theta3: 2 a2 a3 c3 = -n1 (squared distance of the position from the origin of frame 1)
     let mut roots = search.trig(THETA3, K1, 0.0, -n1);
-    while let Some(theta3) = search.next(&mut roots) {
-        let (s3, c3) = Float::sin_cos(theta3);
+    while let Some((theta3, s3, c3)) = search.next_angle(&mut roots) {
         let z0 = pz - D1;
 
         // theta2: a3 s3 c2 + (a3 c3 + a2) s2 = z0 (row 3 of the position in frame 0)
         let mut roots = search.trig(THETA2, A3 * s3, A3 * c3 + A2, z0);
-        while let Some(theta2) = search.next(&mut roots) {
-            let (_, c23) = Float::sin_cos(theta3 + theta2);
-            let (_, c2) = Float::sin_cos(theta2);
-            let x1 = A2 * c2 + A3 * c23;
+        while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+            let c23 = c3 * c2 - s3 * s2;
+            let x1_2 = A3 * c23;
+            let x1 = A2 * c2 + x1_2;
 
             // theta1: px c1 + py s1 = x1; py c1 - px s1 = 0
             // (rows 1 and 3 of the position in frame 1)
             let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, 0.0]);
-            while let Some(theta1) = search.next(&mut roots) {
+            while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
+                let s23 = s3 * c2 + c3 * s2;
+                let y1_2 = A3 * s23;
+                let y1 = y1_2 + A2 * s2;
+
                 let q = [theta1, theta2, theta3];
-                let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                let tool = Frame {
+                    rotation: [
+                        [c23 * c1, -s23 * c1, s1],
+                        [c23 * s1, -s23 * s1, -c1],
+                        [s23, c23, 0.0],
+                    ],
+                    translation: [x1 * c1, x1 * s1, y1 + D1],
+                };
+                let (position_error, rotation_error) = target.errors(&tool);
                 search.accept(q, position_error, rotation_error);
             }
         }
@@ -569,23 +592,34 @@ fn solve_position_elbow_up(target: &Target) -> Result<Solutions<3>, IkError> {
 
     // theta3: 2 a2 a3 c3 = -n1 (squared distance of the position from the origin of frame 1)
     let mut roots = search.trig(THETA3, K1, 0.0, -n1);
-    while let Some(theta3) = search.next(&mut roots) {
-        let (s3, c3) = Float::sin_cos(theta3);
+    while let Some((theta3, s3, c3)) = search.next_angle(&mut roots) {
         let z0 = pz - D1;
 
         // theta2: a3 s3 c2 + (a3 c3 + a2) s2 = z0 (row 3 of the position in frame 0)
         let mut roots = search.trig(THETA2, A3 * s3, A3 * c3 + A2, z0);
-        while let Some(theta2) = search.next(&mut roots) {
-            let (_, c23) = Float::sin_cos(theta3 + theta2);
-            let (_, c2) = Float::sin_cos(theta2);
-            let x1 = A2 * c2 + A3 * c23;
+        while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+            let c23 = c3 * c2 - s3 * s2;
+            let x1_2 = A3 * c23;
+            let x1 = A2 * c2 + x1_2;
 
             // theta1: px c1 + py s1 = x1; py c1 - px s1 = 0
             // (rows 1 and 3 of the position in frame 1)
             let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, 0.0]);
-            while let Some(theta1) = search.next(&mut roots) {
+            while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
+                let s23 = s3 * c2 + c3 * s2;
+                let y1_2 = A3 * s23;
+                let y1 = y1_2 + A2 * s2;
+
                 let q = [theta1, theta2, theta3];
-                let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                let tool = Frame {
+                    rotation: [
+                        [c23 * c1, -s23 * c1, s1],
+                        [c23 * s1, -s23 * s1, -c1],
+                        [s23, c23, 0.0],
+                    ],
+                    translation: [x1 * c1, x1 * s1, y1 + D1],
+                };
+                let (position_error, rotation_error) = target.errors(&tool);
                 // where theta3 <= 0
                 let conditions = [Condition::at_most_zero(Float::wrap_angle(q[2]))];
                 search.accept_where(q, position_error, rotation_error, &conditions);

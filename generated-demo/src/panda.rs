@@ -5,9 +5,9 @@
 use ::core::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    FULL_POSE, Float, Frame, FreeValues, IkError, Jacobian, Joint, Kinematics, LengthError, Limits,
-    Measure, Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search, Servo, Solution,
-    SolutionSet, Solutions, Step, Target, TargetKind, Violations, Winding, copy_into,
+    Arm, FULL_POSE, Float, Frame, FreeValues, IkError, Jacobian, Joint, Kinematics, LengthError,
+    Limits, Measure, Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search, Servo,
+    Solution, SolutionSet, Solutions, Step, Target, TargetKind, Violations, Winding, copy_into,
     jacobian_from_columns, joint_array,
 };
 
@@ -235,18 +235,18 @@ impl Panda {
     ///           (row 3 of the start of the second axis in frame 4)
     /// theta5:   (a4 c4 + a5 + d3 s4) c5 = x5
     ///           (a4 c4 + a5 + d3 s4) s5 = z5
-    ///           x5 = (bx c7 - by s7 - a7) c6 + bz s6
+    ///           x5 = c6 (bx c7 - by s7 - a7) + bz s6
     ///           z5 = by c7 + bx s7
     ///           (rows 1 and 3 of the start of the second axis in frame 5)
     /// theta2:   c2 = -zz2_2
     ///           zz2 = c4 (s6 (r32 s7 - r31 c7) + r33 c6)
-    ///           zz2_2 = s4 ((c6 (r32 s7 - r31 c7) - r33 s6) c5 - s5 (r31 s7 + r32 c7)) + zz2
-    ///           (row 3 of the base's z axis in frame 2)
+    ///           zz2_2 = s4 (c5 (c6 (r32 s7 - r31 c7) - r33 s6) - s5 (r31 s7 + r32 c7)) + zz2
+    ///           zx3 = s4 (s6 (r32 s7 - r31 c7) + r33 c6)
+    ///           zx3_2 = c4 (c5 (c6 (r32 s7 - r31 c7) - r33 s6) - s5 (r31 s7 + r32 c7)) - zx3
+    ///           zz3 = s5 (c6 (r32 s7 - r31 c7) - r33 s6) + c5 (r31 s7 + r32 c7)
+    ///           (row 2 of the base's z axis in frame 3)
     /// theta3:   s2 c3 = zx3_2
     ///           s2 s3 = -zz3
-    ///           zx3 = s4 (s6 (r32 s7 - r31 c7) + r33 c6)
-    ///           zx3_2 = c4 ((c6 (r32 s7 - r31 c7) - r33 s6) c5 - s5 (r31 s7 + r32 c7)) - zx3
-    ///           zz3 = (c6 (r32 s7 - r31 c7) - r33 s6) s5 + c5 (r31 s7 + r32 c7)
     ///           (rows 1 and 3 of the base's z axis in frame 3)
     /// theta1:   s2 c1 = -xz2_2
     ///           s2 s1 = -yz2_2
@@ -257,7 +257,7 @@ impl Panda {
     ///           (row 3 of the base's x axis in frame 2; row 3 of the base's y axis in frame 2)
     /// ```
     ///
-    /// Besides solving, on each branch: 70 multiplications, 46 additions, 5 sine-cosine pairs.
+    /// Besides solving, on each branch: 154 multiplications, 89 additions, 1 sine-cosine pair.
     ///
     /// # Errors
     ///
@@ -267,7 +267,7 @@ impl Panda {
     }
 
     /// The joint that `ik_at` leaves to the caller: J7 (rad).
-    pub const REDUNDANCY: Redundancy<'static> = Redundancy::new(6, Self::RULES, REACH);
+    pub const REDUNDANCY: Redundancy<'static> = Redundancy::of_pose(6, Self::RULES, REACH);
 
     /// [`Self::ik_at`] at 16 values of J7 (rad), spread evenly over its limits (over the whole turn
     /// where these leave it): every geometric solution that brings the tool frame to a pose, limits
@@ -306,10 +306,9 @@ impl Panda {
     /// of them breaks.
     pub fn ik_nearest(&self, target: &Pose, seed: &[f64; 7]) -> Result<Solution<7>, IkError> {
         let target = &Target::Pose(target.into());
-        let target = &target.validate()?;
         let at = |free| solve_pose(target, &[free]);
-        let errors = |q: &[f64; 7]| target.errors(&forward_kinematics(q));
-        Self::REDUNDANCY.nearest(at, tool_point, errors, seed)
+        let arm = Arm::new(at, pose_and_jacobian);
+        Self::REDUNDANCY.nearest(arm, tool_point, target, seed)
     }
 
     /// Every geometric solution of the table's problem `tool_down`, limits ignored; joints that
@@ -338,7 +337,7 @@ impl Panda {
     ///           (rows 1 and 2 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 8 multiplications, 13 additions, 2 sine-cosine pairs.
+    /// Besides solving, on each branch: 59 multiplications, 43 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -745,7 +744,11 @@ fn tool_point(q: &[f64; 7]) -> [f64; 3] {
 }
 
 /// Every solution of the full pose.
-#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(
+    clippy::similar_names,
+    clippy::too_many_lines,
+    reason = "the names are those of the equations"
+)]
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError> {
     const THETA4: Step = Step::new(0, 0b1000, false, Measure::Area);
@@ -755,8 +758,8 @@ fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError>
     const THETA3: Step = Step::new(4, 0b100, false, Measure::Ratio);
     const THETA1: Step = Step::new(5, 0b1, false, Measure::Ratio);
 
-    let target = target.validate_as(TargetKind::Pose)?;
-    let [r11, r12, r13, px, r21, r22, r23, py, r31, r32, r33, pz] = target.numbers().array();
+    let pose = target.validate_pose()?;
+    let [r11, r12, r13, px, r21, r22, r23, py, r31, r32, r33, pz] = pose.rows();
     let [q7] = *free;
     let mut search = Search::new(REACH, &WINDINGS);
     let (s7, c7) = Float::sin_cos(q7);
@@ -771,8 +774,7 @@ fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError>
     // theta4: (2 d3 d5 + 2 a4 a5) c4 + (2 d3 a5 - 2 a4 d5) s4 = -n5
     // (squared distance of the start of the second axis from the origin of frame 5)
     let mut roots = search.trig(THETA4, K1, K2, -n5);
-    while let Some(theta4) = search.next(&mut roots) {
-        let (s4, c4) = Float::sin_cos(theta4);
+    while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
         let t4 = bx * c7;
         let t5 = by * s7;
         let z4 = A4 * s4 - D5 - D3 * c4;
@@ -780,37 +782,33 @@ fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError>
         // theta6: bz c6 - (bx c7 - a7 - by s7) s6 = z4
         // (row 3 of the start of the second axis in frame 4)
         let mut roots = search.trig(THETA6, bz, t5 - (t4 - A7), z4);
-        while let Some(theta6) = search.next(&mut roots) {
-            let (s6, c6) = Float::sin_cos(theta6);
+        while let Some((theta6, s6, c6)) = search.next_angle(&mut roots) {
             let t6 = A4 * c4 + A5 + D3 * s4;
-            let x5 = (t4 - t5 - A7) * c6 + bz * s6;
+            let x5 = c6 * (t4 - t5 - A7) + bz * s6;
             let z5 = by * c7 + bx * s7;
 
             // theta5: (a4 c4 + a5 + d3 s4) c5 = x5; (a4 c4 + a5 + d3 s4) s5 = z5
             // (rows 1 and 3 of the start of the second axis in frame 5)
             let mut roots = search.trig_pair(THETA5, [t6, 0.0, x5], [0.0, t6, z5]);
-            while let Some(theta5) = search.next(&mut roots) {
-                let (s5, c5) = Float::sin_cos(theta5);
+            while let Some((theta5, s5, c5)) = search.next_angle(&mut roots) {
                 let t7 = r32 * s7 - r31 * c7;
                 let t8 = c6 * t7 - r33 * s6;
                 let t9 = r31 * s7 + r32 * c7;
-                let t10 = t8 * c5 - s5 * t9;
+                let t10 = c5 * t8 - s5 * t9;
                 let t11 = s6 * t7 + r33 * c6;
                 let zz2 = c4 * t11;
                 let zz2_2 = s4 * t10 + zz2;
+                let zx3 = s4 * t11;
+                let zx3_2 = c4 * t10 - zx3;
+                let zz3 = s5 * t8 + c5 * t9;
 
-                // theta2: c2 = -zz2_2 (row 3 of the base's z axis in frame 2)
-                let mut roots = search.trig(THETA2, 1.0, 0.0, -zz2_2);
-                while let Some(theta2) = search.next(&mut roots) {
-                    let (s2, _) = Float::sin_cos(theta2);
-                    let zx3 = s4 * t11;
-                    let zx3_2 = c4 * t10 - zx3;
-                    let zz3 = t8 * s5 + c5 * t9;
-
+                // theta2: c2 = -zz2_2 (row 2 of the base's z axis in frame 3)
+                let mut roots = search.trig_unit(THETA2, [1.0, 0.0, -zz2_2], [zx3_2, -zz3]);
+                while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
                     // theta3: s2 c3 = zx3_2; s2 s3 = -zz3
                     // (rows 1 and 3 of the base's z axis in frame 3)
                     let mut roots = search.trig_pair(THETA3, [s2, 0.0, zx3_2], [0.0, s2, -zz3]);
-                    while let Some(theta3) = search.next(&mut roots) {
+                    while let Some((theta3, s3, c3)) = search.next_angle(&mut roots) {
                         let t12 = r12 * s7 - r11 * c7;
                         let xz2 = c4 * (s6 * t12 + r13 * c6);
                         let xz2_2 =
@@ -825,11 +823,68 @@ fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError>
                         // frame 2)
                         let mut roots =
                             search.trig_pair(THETA1, [s2, 0.0, -xz2_2], [0.0, s2, -yz2_2]);
-                        while let Some(theta1) = search.next(&mut roots) {
+                        while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
+                            let r11_5 = c7 * c6;
+                            let r11_4 = s7 * s5 + r11_5 * c5;
+                            let r21_5 = c7 * s6;
+                            let r11_3 = c4 * r11_4 - s4 * r21_5;
+                            let nr21_4 = s7 * c5 - r11_5 * s5;
+                            let r11_2 = c3 * r11_3 + s3 * nr21_4;
+                            let r21_3 = s4 * r11_4 + c4 * r21_5;
+                            let r11_1 = c2 * r11_2 + s2 * r21_3;
+                            let r21_2 = s3 * r11_3 - c3 * nr21_4;
+                            let nr12_5 = s7 * c6;
+                            let r12_4 = c7 * s5 - nr12_5 * c5;
+                            let nr22_5 = s7 * s6;
+                            let r12_3 = c4 * r12_4 + s4 * nr22_5;
+                            let nr22_4 = c7 * c5 + nr12_5 * s5;
+                            let r12_2 = c3 * r12_3 + s3 * nr22_4;
+                            let r22_3 = s4 * r12_4 - c4 * nr22_5;
+                            let r12_1 = c2 * r12_2 + s2 * r22_3;
+                            let r22_2 = s3 * r12_3 - c3 * nr22_4;
+                            let r13_4 = s6 * c5;
+                            let r13_3 = s4 * c6 + c4 * r13_4;
+                            let r23_4 = s6 * s5;
+                            let r13_2 = c3 * r13_3 - r23_4 * s3;
+                            let nr23_3 = c4 * c6 - s4 * r13_4;
+                            let r13_1 = c2 * r13_2 - s2 * nr23_3;
+                            let r23_2 = s3 * r13_3 + r23_4 * c3;
+                            let x5_v2 = A7 * c6 + D7 * s6;
+                            let x4 = c5 * x5_v2;
+                            let t14 = x4 + A5;
+                            let y5 = A7 * s6 - D7 * c6;
+                            let z4_v2 = y5 + D5;
+                            let x3 = c4 * t14 - s4 * z4_v2;
+                            let t15 = x3 + A4;
+                            let y4 = s5 * x5_v2;
+                            let x2 = c3 * t15 - s3 * y4;
+                            let y3 = s4 * t14 + c4 * z4_v2;
+                            let z2 = y3 + D3;
+                            let x1 = c2 * x2 + s2 * z2;
+                            let y2 = s3 * t15 + c3 * y4;
+                            let r21_1 = s2 * r11_2 - c2 * r21_3;
+                            let r22_1 = s2 * r12_2 - c2 * r22_3;
+                            let r23_1 = s2 * r13_2 + c2 * nr23_3;
+                            let y1 = s2 * x2 - c2 * z2;
+
                             let q = [theta1, theta2, theta3, theta4, theta5, theta6, q7];
-                            let (position_error, rotation_error) =
-                                target.errors(&forward_kinematics(&q));
-                            search.accept(q, position_error, rotation_error);
+                            let tool = Frame {
+                                rotation: [
+                                    [
+                                        c1 * r11_1 - s1 * r21_2,
+                                        c1 * r12_1 - s1 * r22_2,
+                                        c1 * r13_1 - s1 * r23_2,
+                                    ],
+                                    [
+                                        s1 * r11_1 + c1 * r21_2,
+                                        s1 * r12_1 + c1 * r22_2,
+                                        s1 * r13_1 + c1 * r23_2,
+                                    ],
+                                    [-r21_1, -r22_1, -r23_1],
+                                ],
+                                translation: [c1 * x1 - s1 * y2, s1 * x1 + c1 * y2, D1 - y1],
+                            };
+                            search.accept_pose(q, &tool, &pose, pose_and_jacobian);
                         }
                     }
                 }
@@ -853,12 +908,10 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<7>, IkError> {
 
     // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
     let mut roots = search.trig(THETA1, py, -px, 0.0);
-    while let Some(theta1) = search.next(&mut roots) {
-        let (s1, c1) = Float::sin_cos(theta1);
-
+    while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
         // theta7: c1 c7 + s1 s7 = cyaw; s1 c7 - c1 s7 = syaw (cosine of the yaw; sine of the yaw)
         let mut roots = search.trig_pair(THETA7, [c1, s1, cyaw], [s1, -c1, syaw]);
-        while let Some(theta7) = search.next(&mut roots) {
+        while let Some((theta7, s7, c7)) = search.next_angle(&mut roots) {
             let z0 = pz + D7 - D1;
             let x1 = px * c1 + py * s1 - A7;
 
@@ -866,8 +919,7 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<7>, IkError> {
             // a4^2 - d3^2
             // (squares of rows 1 and 2 of the position in frame 1)
             let mut roots = search.trig(THETA4, K1, K2, z0 * z0 + x1 * x1 - K4 - K5 - K6 - K7);
-            while let Some(theta4) = search.next(&mut roots) {
-                let (s4, c4) = Float::sin_cos(theta4);
+            while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
                 let t1 = D5 * s4 - A4 - A5 * c4;
                 let t2 = D5 * c4 + D3 + A5 * s4;
 
@@ -875,9 +927,37 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<7>, IkError> {
                 // s4) c2 + (d5 s4 - a4 - a5 c4) s2 = z0
                 // (rows 1 and 2 of the position in frame 1)
                 let mut roots = search.trig_pair(THETA2, [t1, -t2, -x1], [t2, t1, z0]);
-                while let Some(theta2) = search.next(&mut roots) {
+                while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+                    let c6 = c4 * c2 + s4 * s2;
+                    let t3 = c1 * c2;
+                    let t4 = c1 * s2;
+                    let t5 = c4 * t3 + s4 * t4;
+                    let ns6 = s4 * c2 - c4 * s2;
+                    let t6 = s4 * t3 - c4 * t4;
+                    let t7 = c6 * t5 + ns6 * t6;
+                    let t8 = ns6 * t5 - c6 * t6;
+                    let t9 = s1 * c2;
+                    let t10 = s1 * s2;
+                    let t11 = c4 * t9 + s4 * t10;
+                    let t12 = s4 * t9 - c4 * t10;
+                    let t13 = c6 * t11 + ns6 * t12;
+                    let t14 = ns6 * t11 - c6 * t12;
+                    let t15 = ns6 * ns6 + c6 * c6;
+
                     let q = [theta1, theta2, 0.0, theta4, 0.0, theta2 - theta4, theta7];
-                    let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                    let tool = Frame {
+                        rotation: [
+                            [s1 * s7 + c7 * t7, s1 * c7 - s7 * t7, -t8],
+                            [c7 * t13 - c1 * s7, -(c1 * c7 + s7 * t13), -t14],
+                            [0.0, 0.0, -t15],
+                        ],
+                        translation: [
+                            A4 * t3 + D3 * t4 + A5 * t5 - D5 * t6 + A7 * t7 - D7 * t8,
+                            A4 * t9 + D3 * t10 + A5 * t11 - D5 * t12 + A7 * t13 - D7 * t14,
+                            -(A4 * s2 - D3 * c2 - D1 - A5 * ns6 - D5 * c6 + D7 * t15),
+                        ],
+                    };
+                    let (position_error, rotation_error) = target.errors(&tool);
                     search.accept(q, position_error, rotation_error);
                 }
             }

@@ -199,27 +199,26 @@ impl Puma560 {
     ///           x2 = d4 s3 - a2 - a3 c3
     ///           y2 = d4 c3 + a3 s3
     ///           (rows 1 and 2 of the position in frame 2)
-    /// theta5:   c5 = zz3
-    ///           zz3 = r23 (1/2 c123 - 1/2 c1m2m3) + r13 (1/2 s1m2m3 - 1/2 s123) + r33 c23
-    ///           (row 3 of the z axis in frame 3)
-    /// theta4:   s5 c4 = -zx3
-    ///           s5 s4 = zz1
-    ///           zx3 = r23 (1/2 s1m2m3 + 1/2 s123) + r13 (1/2 c123 + 1/2 c1m2m3) + r33 s23
+    /// theta5:   c5 = -zz3
+    ///           zz3 = s2 (c3 (r13 c1 + r23 s1) + r33 s3) + c2 (s3 (r13 c1 + r23 s1) - r33 c3)
+    ///           zx3 = s2 (s3 (r13 c1 + r23 s1) - r33 c3) - c2 (c3 (r13 c1 + r23 s1) + r33 s3)
     ///           zz1 = r13 s1 - r23 c1
+    ///           (row 3 of the z axis in frame 3)
+    /// theta4:   s5 c4 = zx3
+    ///           s5 s4 = zz1
     ///           (rows 1 and 2 of the z axis in frame 3)
     /// theta6:   c6 = -xx5_2
     ///           s6 = xz4
     ///           xx5 = s5 (s2 (c3 (r11 c1 + r21 s1) + r31 s3) + c2 (s3 (r11 c1 + r21 s1) - r31
     ///           c3))
-    ///           xx5_2 = c5 ((s2 (s3 (r11 c1 + r21 s1) - r31 c3) - c2 (c3 (r11 c1 + r21 s1) + r31
-    ///           s3)) c4 - s4 (r21 c1 - r11 s1)) + xx5
-    ///           xz4 = (s2 (s3 (r11 c1 + r21 s1) - r31 c3) - c2 (c3 (r11 c1 + r21 s1) + r31 s3))
-    ///           s4 + c4 (r21 c1 - r11 s1)
+    ///           xx5_2 = c5 (c4 (s2 (s3 (r11 c1 + r21 s1) - r31 c3) - c2 (c3 (r11 c1 + r21 s1) +
+    ///           r31 s3)) - s4 (r21 c1 - r11 s1)) + xx5
+    ///           xz4 = s4 (s2 (s3 (r11 c1 + r21 s1) - r31 c3) - c2 (c3 (r11 c1 + r21 s1) + r31
+    ///           s3)) + c4 (r21 c1 - r11 s1)
     ///           (rows 1 and 2 of the x axis in frame 5)
     /// ```
     ///
-    /// Besides solving, on each branch: 41 multiplications, 31 additions, 8 sine-cosine pairs (and
-    /// 5 additions in their arguments).
+    /// Besides solving, on each branch: 93 multiplications, 53 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -272,15 +271,14 @@ impl Puma560 {
     ///           (row 3 of the position in frame 0)
     /// theta1:   px c1 + py s1 = -x1
     ///           py c1 - px s1 = -d3
-    ///           x1 = d4 s23 - a2 c2 - a3 c23
+    ///           x1 = c2 (d4 s3 - a3 c3 - a2) + (d4 c3 + a3 s3) s2
     ///           (rows 1 and 3 of the position in frame 1)
     /// theta6:   c1 c6 + s1 s6 = -cyaw
     ///           s1 c6 - c1 s6 = -syaw
     ///           (cosine of the yaw; sine of the yaw)
     /// ```
     ///
-    /// Besides solving, on each branch: 12 multiplications, 14 additions, 4 sine-cosine pairs (and
-    /// 1 addition in their arguments).
+    /// Besides solving, on each branch: 47 multiplications, 33 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -572,7 +570,11 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 }
 
 /// Every solution of the full pose.
-#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(
+    clippy::similar_names,
+    clippy::too_many_lines,
+    reason = "the names are those of the equations"
+)]
 fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
     const THETA3: Step = Step::new(0, 0b100, false, Measure::Area);
     const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
@@ -581,20 +583,18 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
     const THETA4: Step = Step::new(4, 0b1000, false, Measure::Ratio);
     const THETA6: Step = Step::new(5, 0b10_0000, false, Measure::Ratio);
 
-    let target = target.validate_as(TargetKind::Pose)?;
-    let [r11, _, r13, px, r21, _, r23, py, r31, _, r33, pz] = target.numbers().array();
+    let pose = target.validate_pose()?;
+    let [r11, _, r13, px, r21, _, r23, py, r31, _, r33, pz] = pose.rows();
     let mut search = Search::new(REACH, &WINDINGS);
     let n1 = D1 * (2.0 * pz - D1) - (px * px + py * py + pz * pz - K3 - K4 - K5 - K6);
 
     // theta3: 2 a2 a3 c3 - 2 a2 d4 s3 = -n1
     // (squared distance of the position from the origin of frame 1)
     let mut roots = search.trig(THETA3, K1, -K2, -n1);
-    while let Some(theta3) = search.next(&mut roots) {
+    while let Some((theta3, s3, c3)) = search.next_angle(&mut roots) {
         // theta1: py c1 - px s1 = -d3 (row 3 of the position in frame 1)
         let mut roots = search.trig(THETA1, py, -px, -D3);
-        while let Some(theta1) = search.next(&mut roots) {
-            let (s3, c3) = Float::sin_cos(theta3);
-            let (s1, c1) = Float::sin_cos(theta1);
+        while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
             let t1 = px * c1 + py * s1;
             let t2 = pz - D1;
             let x2 = D4 * s3 - A2 - A3 * c3;
@@ -604,45 +604,74 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
             // y2
             // (rows 1 and 2 of the position in frame 2)
             let mut roots = search.trig_pair(THETA2, [t1, t2, -x2], [t2, -t1, y2]);
-            while let Some(theta2) = search.next(&mut roots) {
-                let (s123, c123) = Float::sin_cos(theta3 + theta1 + theta2);
-                let (s1m2m3, c1m2m3) = Float::sin_cos(-theta3 + theta1 - theta2);
-                let (s23, c23) = Float::sin_cos(theta3 + theta2);
-                let t3 = 0.5 * c123;
-                let t4 = 0.5 * c1m2m3;
-                let t5 = 0.5 * s1m2m3;
-                let t6 = 0.5 * s123;
-                let zz3 = r23 * (t3 - t4) + (r13 * (t5 - t6) + r33 * c23);
+            while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+                let t3 = r13 * c1 + r23 * s1;
+                let t4 = c3 * t3 + r33 * s3;
+                let t5 = s3 * t3 - r33 * c3;
+                let zz3 = s2 * t4 + c2 * t5;
+                let zx3 = s2 * t5 - c2 * t4;
+                let zz1 = r13 * s1 - r23 * c1;
 
-                // theta5: c5 = zz3 (row 3 of the z axis in frame 3)
-                let mut roots = search.trig(THETA5, 1.0, 0.0, zz3);
-                while let Some(theta5) = search.next(&mut roots) {
-                    let (s5, c5) = Float::sin_cos(theta5);
-                    let zx3 = r23 * (t5 + t6) + (r13 * (t3 + t4) + r33 * s23);
-                    let zz1 = r13 * s1 - r23 * c1;
-
-                    // theta4: s5 c4 = -zx3; s5 s4 = zz1 (rows 1 and 2 of the z axis in frame 3)
-                    let mut roots = search.trig_pair(THETA4, [s5, 0.0, -zx3], [0.0, s5, zz1]);
-                    while let Some(theta4) = search.next(&mut roots) {
-                        let (s2, c2) = Float::sin_cos(theta2);
-                        let (s4, c4) = Float::sin_cos(theta4);
-                        let t7 = r11 * c1 + r21 * s1;
-                        let t8 = s3 * t7 - r31 * c3;
-                        let t9 = c3 * t7 + r31 * s3;
-                        let t10 = s2 * t8 - c2 * t9;
-                        let t11 = r21 * c1 - r11 * s1;
-                        let xx5 = s5 * (s2 * t9 + c2 * t8);
-                        let xx5_2 = c5 * (t10 * c4 - s4 * t11) + xx5;
-                        let xz4 = t10 * s4 + c4 * t11;
+                // theta5: c5 = -zz3 (row 3 of the z axis in frame 3)
+                let mut roots = search.trig_unit(THETA5, [1.0, 0.0, -zz3], [-zx3, -zz1]);
+                while let Some((theta5, s5, c5)) = search.next_angle(&mut roots) {
+                    // theta4: s5 c4 = zx3; s5 s4 = zz1 (rows 1 and 2 of the z axis in frame 3)
+                    let mut roots = search.trig_pair(THETA4, [s5, 0.0, zx3], [0.0, s5, zz1]);
+                    while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
+                        let t6 = r11 * c1 + r21 * s1;
+                        let t7 = s3 * t6 - r31 * c3;
+                        let t8 = c3 * t6 + r31 * s3;
+                        let t9 = s2 * t7 - c2 * t8;
+                        let t10 = r21 * c1 - r11 * s1;
+                        let xx5 = s5 * (s2 * t8 + c2 * t7);
+                        let xx5_2 = c5 * (c4 * t9 - s4 * t10) + xx5;
+                        let xz4 = s4 * t9 + c4 * t10;
 
                         // theta6: c6 = -xx5_2; s6 = xz4 (rows 1 and 2 of the x axis in frame 5)
                         let mut roots =
                             search.trig_pair(THETA6, [1.0, 0.0, -xx5_2], [0.0, 1.0, xz4]);
-                        while let Some(theta6) = search.next(&mut roots) {
+                        while let Some((theta6, s6, c6)) = search.next_angle(&mut roots) {
+                            let c23 = c3 * c2 - s3 * s2;
+                            let r11_4 = c5 * c6;
+                            let r11_3 = c4 * r11_4 - s4 * s6;
+                            let s23 = s3 * c2 + c3 * s2;
+                            let r21_4 = s5 * c6;
+                            let r11_1 = c23 * r11_3 - s23 * r21_4;
+                            let r21_3 = s4 * r11_4 + c4 * s6;
+                            let nr12_4 = c5 * s6;
+                            let nr12_3 = c4 * nr12_4 + s4 * c6;
+                            let nr22_4 = s5 * s6;
+                            let nr12_1 = c23 * nr12_3 - s23 * nr22_4;
+                            let nr22_3 = s4 * nr12_4 - c4 * c6;
+                            let nr13_3 = s5 * c4;
+                            let nr13_1 = s23 * c5 + c23 * nr13_3;
+                            let nr23_3 = s5 * s4;
+                            let x1_2 = A3 * c23 - D4 * s23;
+                            let x1 = x1_2 + A2 * c2;
+                            let r21_1 = s23 * r11_3 + c23 * r21_4;
+                            let nr22_1 = s23 * nr12_3 + c23 * nr22_4;
+                            let r23_1 = c23 * c5 - s23 * nr13_3;
+                            let y1_2 = A3 * s23 + D4 * c23;
+                            let y1 = y1_2 + A2 * s2;
+
                             let q = [theta1, theta2, theta3, theta4, theta5, theta6];
-                            let (position_error, rotation_error) =
-                                target.errors(&forward_kinematics(&q));
-                            search.accept(q, position_error, rotation_error);
+                            let tool = Frame {
+                                rotation: [
+                                    [
+                                        c1 * r11_1 - s1 * r21_3,
+                                        s1 * nr22_3 - c1 * nr12_1,
+                                        s1 * nr23_3 - c1 * nr13_1,
+                                    ],
+                                    [
+                                        s1 * r11_1 + c1 * r21_3,
+                                        -(s1 * nr12_1 + c1 * nr22_3),
+                                        -(s1 * nr13_1 + c1 * nr23_3),
+                                    ],
+                                    [r21_1, -nr22_1, r23_1],
+                                ],
+                                translation: [c1 * x1 + D3 * s1, s1 * x1 - D3 * c1, y1 + D1],
+                            };
+                            search.accept_pose(q, &tool, &pose, pose_and_jacobian);
                         }
                     }
                 }
@@ -668,30 +697,52 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
     // theta3: 2 a2 a3 c3 - 2 a2 d4 s3 = -n1
     // (squared distance of the position from the origin of frame 1)
     let mut roots = search.trig(THETA3, K1, -K2, -n1);
-    while let Some(theta3) = search.next(&mut roots) {
-        let (s3, c3) = Float::sin_cos(theta3);
+    while let Some((theta3, s3, c3)) = search.next_angle(&mut roots) {
+        let t1 = D4 * c3 + A3 * s3;
+        let t2 = D4 * s3;
+        let t3 = A3 * c3;
         let z0 = pz - D1;
 
         // theta2: (d4 c3 + a3 s3) c2 - (d4 s3 - a2 - a3 c3) s2 = z0
         // (row 3 of the position in frame 0)
-        let mut roots = search.trig(THETA2, D4 * c3 + A3 * s3, A3 * c3 - (D4 * s3 - A2), z0);
-        while let Some(theta2) = search.next(&mut roots) {
-            let (s23, c23) = Float::sin_cos(theta3 + theta2);
-            let (_, c2) = Float::sin_cos(theta2);
-            let x1 = D4 * s23 - A2 * c2 - A3 * c23;
+        let mut roots = search.trig(THETA2, t1, t3 - (t2 - A2), z0);
+        while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+            let x1 = c2 * (t2 - t3 - A2) + t1 * s2;
 
             // theta1: px c1 + py s1 = -x1; py c1 - px s1 = -d3
             // (rows 1 and 3 of the position in frame 1)
             let mut roots = search.trig_pair(THETA1, [px, py, -x1], [py, -px, -D3]);
-            while let Some(theta1) = search.next(&mut roots) {
-                let (s1, c1) = Float::sin_cos(theta1);
-
+            while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
                 // theta6: c1 c6 + s1 s6 = -cyaw; s1 c6 - c1 s6 = -syaw
                 // (cosine of the yaw; sine of the yaw)
                 let mut roots = search.trig_pair(THETA6, [c1, s1, -cyaw], [s1, -c1, -syaw]);
-                while let Some(theta6) = search.next(&mut roots) {
+                while let Some((theta6, s6, c6)) = search.next_angle(&mut roots) {
+                    let c23 = c3 * c2 - s3 * s2;
+                    let nr11_4 = c23 * c6;
+                    let s23 = s3 * c2 + c3 * s2;
+                    let r21_4 = s23 * c6;
+                    let nr11_1 = c23 * nr11_4 + s23 * r21_4;
+                    let r12_4 = c23 * s6;
+                    let nr22_4 = s23 * s6;
+                    let r12_1 = c23 * r12_4 + s23 * nr22_4;
+                    let nx1_2 = D4 * s23 - A3 * c23;
+                    let x1_v2 = A2 * c2 - nx1_2;
+                    let nr21_1 = s23 * nr11_4 - c23 * r21_4;
+                    let r22_1 = s23 * r12_4 - c23 * nr22_4;
+                    let nr23_1 = s23 * s23 + c23 * c23;
+                    let y1_2 = A3 * s23 + D4 * c23;
+                    let y1 = y1_2 + A2 * s2;
+
                     let q = [theta1, theta2, theta3, 0.0, -theta2 - theta3 - PI, theta6];
-                    let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                    let tool = Frame {
+                        rotation: [
+                            [-(c1 * nr11_1 + s1 * s6), c1 * r12_1 - s1 * c6, 0.0],
+                            [c1 * s6 - s1 * nr11_1, s1 * r12_1 + c1 * c6, 0.0],
+                            [-nr21_1, r22_1, -nr23_1],
+                        ],
+                        translation: [c1 * x1_v2 + D3 * s1, s1 * x1_v2 - D3 * c1, y1 + D1],
+                    };
+                    let (position_error, rotation_error) = target.errors(&tool);
                     search.accept(q, position_error, rotation_error);
                 }
             }

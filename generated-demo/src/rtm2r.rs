@@ -176,7 +176,7 @@ impl RTMiddleware2R {
     ///           (rows 1 and 2 of the x axis in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 6 multiplications, 4 additions, 1 sine-cosine pair.
+    /// Besides solving, on each branch: 14 multiplications, 8 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -228,7 +228,7 @@ impl RTMiddleware2R {
     ///           (rows 1 and 2 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 4 multiplications, 4 additions, 1 sine-cosine pair.
+    /// Besides solving, on each branch: 12 multiplications, 8 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -285,7 +285,7 @@ impl RTMiddleware2R {
     ///           (rows 1 and 2 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 4 multiplications, 4 additions, 1 sine-cosine pair.
+    /// Besides solving, on each branch: 12 multiplications, 8 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -344,7 +344,7 @@ impl RTMiddleware2R {
     ///           (rows 1 and 2 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 4 multiplications, 4 additions, 1 sine-cosine pair.
+    /// Besides solving, on each branch: 12 multiplications, 8 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -483,25 +483,30 @@ fn solve_pose(target: &Target) -> Result<Solutions<2>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Ratio);
 
-    let target = target.validate_as(TargetKind::Pose)?;
-    let [r11, _, _, px, r21, _, _, py, _, _, _, _] = target.numbers().array();
+    let pose = target.validate_pose()?;
+    let [r11, _, _, px, r21, _, _, py, _, _, _, _] = pose.rows();
     let mut search = Search::new(REACH, &WINDINGS);
     let px0 = px - A2 * r11;
     let py0 = py - A2 * r21;
 
     // theta1: a1 c1 = px0; a1 s1 = py0 (rows 1 and 2 of the position in frame 0)
     let mut roots = search.trig_pair(THETA1, [A1, 0.0, px0], [0.0, A1, py0]);
-    while let Some(theta1) = search.next(&mut roots) {
-        let (s1, c1) = Float::sin_cos(theta1);
+    while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
         let xx1 = r11 * c1 + r21 * s1;
         let xy1 = r21 * c1 - r11 * s1;
 
         // theta2: c2 = xx1; s2 = xy1 (rows 1 and 2 of the x axis in frame 1)
         let mut roots = search.trig_pair(THETA2, [1.0, 0.0, xx1], [0.0, 1.0, xy1]);
-        while let Some(theta2) = search.next(&mut roots) {
+        while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+            let c12 = c1 * c2 - s1 * s2;
+            let s12 = s1 * c2 + c1 * s2;
+
             let q = [theta1 - FRAC_PI_2, theta2];
-            let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
-            search.accept(q, position_error, rotation_error);
+            let tool = Frame {
+                rotation: [[c12, -s12, 0.0], [s12, c12, 0.0], [0.0, 0.0, 1.0]],
+                translation: [A2 * c12 + A1 * c1, A2 * s12 + A1 * s1, 0.0],
+            };
+            search.accept_pose(q, &tool, &pose, pose_and_jacobian);
         }
     }
     search.finish()
@@ -520,16 +525,22 @@ fn solve_xy(target: &Target) -> Result<Solutions<2>, IkError> {
 
     // theta2: 2 a1 a2 c2 = n0 (squared distance of the position from the origin of frame 0)
     let mut roots = search.trig(THETA2, K1, 0.0, n0);
-    while let Some(theta2) = search.next(&mut roots) {
-        let (s2, c2) = Float::sin_cos(theta2);
+    while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
         let x1 = A2 * c2 + A1;
         let y1 = A2 * s2;
 
         // theta1: px c1 + py s1 = x1; py c1 - px s1 = y1 (rows 1 and 2 of the position in frame 1)
         let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]);
-        while let Some(theta1) = search.next(&mut roots) {
+        while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
+            let c12 = c2 * c1 - s2 * s1;
+            let s12 = s2 * c1 + c2 * s1;
+
             let q = [theta1 - FRAC_PI_2, theta2];
-            let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+            let tool = Frame {
+                rotation: [[c12, -s12, 0.0], [s12, c12, 0.0], [0.0, 0.0, 1.0]],
+                translation: [A2 * c12 + A1 * c1, A2 * s12 + A1 * s1, 0.0],
+            };
+            let (position_error, rotation_error) = target.errors(&tool);
             search.accept(q, position_error, rotation_error);
         }
     }
@@ -549,16 +560,22 @@ fn solve_xy_elbow_right(target: &Target) -> Result<Solutions<2>, IkError> {
 
     // theta2: 2 a1 a2 c2 = n0 (squared distance of the position from the origin of frame 0)
     let mut roots = search.trig(THETA2, K1, 0.0, n0);
-    while let Some(theta2) = search.next(&mut roots) {
-        let (s2, c2) = Float::sin_cos(theta2);
+    while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
         let x1 = A2 * c2 + A1;
         let y1 = A2 * s2;
 
         // theta1: px c1 + py s1 = x1; py c1 - px s1 = y1 (rows 1 and 2 of the position in frame 1)
         let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]);
-        while let Some(theta1) = search.next(&mut roots) {
+        while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
+            let c12 = c2 * c1 - s2 * s1;
+            let s12 = s2 * c1 + c2 * s1;
+
             let q = [theta1 - FRAC_PI_2, theta2];
-            let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+            let tool = Frame {
+                rotation: [[c12, -s12, 0.0], [s12, c12, 0.0], [0.0, 0.0, 1.0]],
+                translation: [A2 * c12 + A1 * c1, A2 * s12 + A1 * s1, 0.0],
+            };
+            let (position_error, rotation_error) = target.errors(&tool);
             // where theta2 >= 0
             let conditions = [Condition::at_most_zero(-Float::wrap_angle(q[1]))];
             search.accept_where(q, position_error, rotation_error, &conditions);
@@ -580,16 +597,22 @@ fn solve_xy_elbow_left(target: &Target) -> Result<Solutions<2>, IkError> {
 
     // theta2: 2 a1 a2 c2 = n0 (squared distance of the position from the origin of frame 0)
     let mut roots = search.trig(THETA2, K1, 0.0, n0);
-    while let Some(theta2) = search.next(&mut roots) {
-        let (s2, c2) = Float::sin_cos(theta2);
+    while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
         let x1 = A2 * c2 + A1;
         let y1 = A2 * s2;
 
         // theta1: px c1 + py s1 = x1; py c1 - px s1 = y1 (rows 1 and 2 of the position in frame 1)
         let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]);
-        while let Some(theta1) = search.next(&mut roots) {
+        while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
+            let c12 = c2 * c1 - s2 * s1;
+            let s12 = s2 * c1 + c2 * s1;
+
             let q = [theta1 - FRAC_PI_2, theta2];
-            let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+            let tool = Frame {
+                rotation: [[c12, -s12, 0.0], [s12, c12, 0.0], [0.0, 0.0, 1.0]],
+                translation: [A2 * c12 + A1 * c1, A2 * s12 + A1 * s1, 0.0],
+            };
+            let (position_error, rotation_error) = target.errors(&tool);
             // where theta2 <= 0
             let conditions = [Condition::at_most_zero(Float::wrap_angle(q[1]))];
             search.accept_where(q, position_error, rotation_error, &conditions);

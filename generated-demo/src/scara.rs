@@ -183,18 +183,19 @@ impl Cobra600 {
     /// theta12m4: c12m4 = r11
     ///           s12m4 = r21
     ///           (rows 1 and 2 of the x axis in frame 0)
-    /// theta4:   a2 (2 px c12m4 + 2 s12m4 py) c4 - a2 (2 px s12m4 - 2 c12m4 py) s4 = px^2 - a1^2
+    /// theta4:   a2 (2 c12m4 px + 2 s12m4 py) c4 - a2 (2 s12m4 px - 2 c12m4 py) s4 = px^2 - a1^2
     ///           + py^2 + a2^2
     ///           (squares of rows 1 and 2 of the position in frame 1)
     /// theta2:   a1 c2 = x2
     ///           a1 s2 = y2
+    ///           c12 = c12m4 c4 - s12m4 s4
+    ///           s12 = s12m4 c4 + c12m4 s4
     ///           x2 = px c12 + py s12 - a2
     ///           y2 = px s12 - py c12
     ///           (rows 1 and 2 of the position in frame 2)
     /// ```
     ///
-    /// Besides solving, on each branch: 14 multiplications, 9 additions, 2 sine-cosine pairs (and 1
-    /// addition in their arguments).
+    /// Besides solving, on each branch: 26 multiplications, 16 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -252,11 +253,12 @@ impl Cobra600 {
     ///           (rows 1 and 2 of the position in frame 1)
     /// theta4:   c12 c4 + s12 s4 = cyaw
     ///           s12 c4 - c12 s4 = syaw
+    ///           c12 = c2 c1 - s2 s1
+    ///           s12 = s2 c1 + c2 s1
     ///           (cosine of the yaw; sine of the yaw)
     /// ```
     ///
-    /// Besides solving, on each branch: 6 multiplications, 9 additions, 2 sine-cosine pairs (and 1
-    /// addition in their arguments).
+    /// Besides solving, on each branch: 18 multiplications, 16 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -422,8 +424,8 @@ fn solve_pose(target: &Target) -> Result<Solutions<4>, IkError> {
     const THETA4: Step = Step::new(2, 0b1000, false, Measure::Area);
     const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
 
-    let target = target.validate_as(TargetKind::Pose)?;
-    let [r11, _, _, px, r21, _, _, py, _, _, _, pz] = target.numbers().array();
+    let pose = target.validate_pose()?;
+    let [r11, _, _, px, r21, _, _, py, _, _, _, pz] = pose.rows();
     let mut search = Search::new(REACH, &WINDINGS);
     let z0 = pz - D1;
 
@@ -432,31 +434,37 @@ fn solve_pose(target: &Target) -> Result<Solutions<4>, IkError> {
     while let Some(d3) = search.next(&mut roots) {
         // theta12m4: c12m4 = r11; s12m4 = r21 (rows 1 and 2 of the x axis in frame 0)
         let mut roots = search.trig_pair(THETA12M4, [1.0, 0.0, r11], [0.0, 1.0, r21]);
-        while let Some(theta12m4) = search.next(&mut roots) {
-            let (s12m4, c12m4) = Float::sin_cos(theta12m4);
+        while let Some((theta12m4, s12m4, c12m4)) = search.next_angle(&mut roots) {
             let t1 = 2.0 * px;
             let t2 = 2.0 * py;
 
-            // theta4: a2 (2 px c12m4 + 2 s12m4 py) c4 - a2 (2 px s12m4 - 2 c12m4 py) s4 = px^2 -
+            // theta4: a2 (2 c12m4 px + 2 s12m4 py) c4 - a2 (2 s12m4 px - 2 c12m4 py) s4 = px^2 -
             // a1^2 + py^2 + a2^2
             // (squares of rows 1 and 2 of the position in frame 1)
             let mut roots = search.trig(
                 THETA4,
-                A2 * (t1 * c12m4 + s12m4 * t2),
-                -A2 * (t1 * s12m4 - c12m4 * t2),
+                A2 * (c12m4 * t1 + s12m4 * t2),
+                -A2 * (s12m4 * t1 - c12m4 * t2),
                 px * px - K1 + py * py + K2,
             );
-            while let Some(theta4) = search.next(&mut roots) {
-                let (s12, c12) = Float::sin_cos(theta12m4 + theta4);
+            while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
+                let c12 = c12m4 * c4 - s12m4 * s4;
+                let s12 = s12m4 * c4 + c12m4 * s4;
                 let x2 = px * c12 + py * s12 - A2;
                 let y2 = px * s12 - py * c12;
 
                 // theta2: a1 c2 = x2; a1 s2 = y2 (rows 1 and 2 of the position in frame 2)
                 let mut roots = search.trig_pair(THETA2, [A1, 0.0, x2], [0.0, A1, y2]);
-                while let Some(theta2) = search.next(&mut roots) {
+                while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+                    let c1 = c12 * c2 + s12 * s2;
+                    let s1 = s12 * c2 - c12 * s2;
+
                     let q = [theta12m4 - theta2 + theta4, theta2, d3, theta4];
-                    let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
-                    search.accept(q, position_error, rotation_error);
+                    let tool = Frame {
+                        rotation: [[c12m4, s12m4, 0.0], [s12m4, -c12m4, 0.0], [0.0, 0.0, -1.0]],
+                        translation: [A2 * c12 + A1 * c1, A2 * s12 + A1 * s1, D1 - d3],
+                    };
+                    search.accept_pose(q, &tool, &pose, pose_and_jacobian);
                 }
             }
         }
@@ -485,23 +493,30 @@ fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
 
         // theta2: 2 a1 a2 c2 = -n0_2 (squared distance of the position from the origin of frame 0)
         let mut roots = search.trig(THETA2, K3, 0.0, -n0_2);
-        while let Some(theta2) = search.next(&mut roots) {
-            let (s2, c2) = Float::sin_cos(theta2);
+        while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
             let x1 = A2 * c2 + A1;
             let y1 = A2 * s2;
 
             // theta1: px c1 + py s1 = x1; py c1 - px s1 = y1
             // (rows 1 and 2 of the position in frame 1)
             let mut roots = search.trig_pair(THETA1, [px, py, x1], [py, -px, y1]);
-            while let Some(theta1) = search.next(&mut roots) {
-                let (s12, c12) = Float::sin_cos(theta2 + theta1);
+            while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
+                let c12 = c2 * c1 - s2 * s1;
+                let s12 = s2 * c1 + c2 * s1;
 
                 // theta4: c12 c4 + s12 s4 = cyaw; s12 c4 - c12 s4 = syaw
                 // (cosine of the yaw; sine of the yaw)
                 let mut roots = search.trig_pair(THETA4, [c12, s12, cyaw], [s12, -c12, syaw]);
-                while let Some(theta4) = search.next(&mut roots) {
+                while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
+                    let c12m4 = c12 * c4 + s12 * s4;
+                    let s12m4 = s12 * c4 - c12 * s4;
+
                     let q = [theta1, theta2, d3, theta4];
-                    let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                    let tool = Frame {
+                        rotation: [[c12m4, s12m4, 0.0], [s12m4, -c12m4, 0.0], [0.0, 0.0, -1.0]],
+                        translation: [A2 * c12 + A1 * c1, A2 * s12 + A1 * s1, D1 - d3],
+                    };
+                    let (position_error, rotation_error) = target.errors(&tool);
                     search.accept(q, position_error, rotation_error);
                 }
             }

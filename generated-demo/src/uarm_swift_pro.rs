@@ -206,7 +206,7 @@ impl UArmSwiftPro {
     ///           (rows 1 and 2 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 13 multiplications, 13 additions, 2 sine-cosine pairs.
+    /// Besides solving, on each branch: 27 multiplications, 23 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -263,7 +263,7 @@ impl UArmSwiftPro {
     ///           (rows 1 and 2 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 6 multiplications, 9 additions, 2 sine-cosine pairs.
+    /// Besides solving, on each branch: 20 multiplications, 19 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -470,22 +470,21 @@ fn solve_pose(target: &Target) -> Result<Solutions<4>, IkError> {
     const THETA3: Step = Step::new(2, 0b100, false, Measure::Area);
     const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
 
-    let target = target.validate_as(TargetKind::Pose)?;
-    let [r11, _, r13, px, r21, _, r23, py, _, _, r33, pz] = target.numbers().array();
+    let pose = target.validate_pose()?;
+    let [r11, _, r13, px, r21, _, r23, py, _, _, r33, pz] = pose.rows();
     let mut search = Search::new(REACH, &WINDINGS);
     let py0 = py - D5 * r23;
     let px0 = px - D5 * r13;
 
     // theta1: py0 c1 - px0 s1 = 0 (row 3 of the position in frame 1)
     let mut roots = search.trig(THETA1, py0, -px0, 0.0);
-    while let Some(theta1) = search.next(&mut roots) {
-        let (s1, c1) = Float::sin_cos(theta1);
+    while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
         let xx1 = r11 * c1 + r21 * s1;
         let xz1 = r11 * s1 - r21 * c1;
 
         // theta5: c5 = xx1; s5 = xz1 (rows 1 and 3 of the x axis in frame 1)
         let mut roots = search.trig_pair(THETA5, [1.0, 0.0, xx1], [0.0, 1.0, xz1]);
-        while let Some(theta5) = search.next(&mut roots) {
+        while let Some((theta5, s5, c5)) = search.next_angle(&mut roots) {
             let pz0 = pz - D5 * r33;
             let z0 = pz0 - D1;
             let x1 = px0 * c1 + py0 * s1 - A4 - A1;
@@ -493,23 +492,35 @@ fn solve_pose(target: &Target) -> Result<Solutions<4>, IkError> {
             // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
             // (squares of rows 1 and 2 of the position in frame 1)
             let mut roots = search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3);
-            while let Some(theta3) = search.next(&mut roots) {
-                let (s3, c3) = Float::sin_cos(theta3);
+            while let Some((theta3, s3, c3)) = search.next_angle(&mut roots) {
                 let t1 = A3 * c3 + A2;
                 let t2 = A3 * s3;
 
                 // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0
                 // (rows 1 and 2 of the position in frame 1)
                 let mut roots = search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]);
-                while let Some(theta2) = search.next(&mut roots) {
+                while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+                    let t3 = c1 * c5 + s1 * s5;
+                    let t4 = s1 * c5 - c1 * s5;
+                    let c23 = c3 * c2 - s3 * s2;
+                    let x1_2 = A3 * c23 + A4;
+                    let x1_v2 = x1_2 + A2 * c2;
+                    let t5 = x1_v2 + A1;
+                    let s23 = s3 * c2 + c3 * s2;
+                    let y1_2 = A3 * s23 - D5;
+                    let y1 = y1_2 + A2 * s2;
+
                     let q = [
                         theta1 + FRAC_PI_2,
                         theta2,
                         -theta2 - theta3,
                         theta5 + FRAC_PI_2,
                     ];
-                    let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
-                    search.accept(q, position_error, rotation_error);
+                    let tool = Frame {
+                        rotation: [[t3, t4, 0.0], [t4, -t3, 0.0], [0.0, 0.0, -1.0]],
+                        translation: [c1 * t5, s1 * t5, y1 + D1],
+                    };
+                    search.accept_pose(q, &tool, &pose, pose_and_jacobian);
                 }
             }
         }
@@ -531,34 +542,45 @@ fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
 
     // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
     let mut roots = search.trig(THETA1, py, -px, 0.0);
-    while let Some(theta1) = search.next(&mut roots) {
-        let (s1, c1) = Float::sin_cos(theta1);
-
+    while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
         // theta5: c1 c5 + s1 s5 = cyaw; s1 c5 - c1 s5 = syaw (cosine of the yaw; sine of the yaw)
         let mut roots = search.trig_pair(THETA5, [c1, s1, cyaw], [s1, -c1, syaw]);
-        while let Some(theta5) = search.next(&mut roots) {
+        while let Some((theta5, s5, c5)) = search.next_angle(&mut roots) {
             let z0 = pz + D5 - D1;
             let x1 = px * c1 + py * s1 - A4 - A1;
 
             // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
             // (squares of rows 1 and 2 of the position in frame 1)
             let mut roots = search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3);
-            while let Some(theta3) = search.next(&mut roots) {
-                let (s3, c3) = Float::sin_cos(theta3);
+            while let Some((theta3, s3, c3)) = search.next_angle(&mut roots) {
                 let t1 = A3 * c3 + A2;
                 let t2 = A3 * s3;
 
                 // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0
                 // (rows 1 and 2 of the position in frame 1)
                 let mut roots = search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]);
-                while let Some(theta2) = search.next(&mut roots) {
+                while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+                    let t3 = c1 * c5 + s1 * s5;
+                    let t4 = s1 * c5 - c1 * s5;
+                    let c23 = c3 * c2 - s3 * s2;
+                    let x1_2 = A3 * c23 + A4;
+                    let x1_v2 = x1_2 + A2 * c2;
+                    let t5 = x1_v2 + A1;
+                    let s23 = s3 * c2 + c3 * s2;
+                    let y1_2 = A3 * s23 - D5;
+                    let y1 = y1_2 + A2 * s2;
+
                     let q = [
                         theta1 + FRAC_PI_2,
                         theta2,
                         -theta2 - theta3,
                         theta5 + FRAC_PI_2,
                     ];
-                    let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                    let tool = Frame {
+                        rotation: [[t3, t4, 0.0], [t4, -t3, 0.0], [0.0, 0.0, -1.0]],
+                        translation: [c1 * t5, s1 * t5, y1 + D1],
+                    };
+                    let (position_error, rotation_error) = target.errors(&tool);
                     search.accept(q, position_error, rotation_error);
                 }
             }

@@ -192,6 +192,7 @@ impl UR5 {
     ///           (row 3 of the position in frame 1)
     /// theta5:   c5 = zz1
     ///           zz1 = r13 s1 - r23 c1
+    ///           zx1 = r13 c1 + r23 s1
     ///           (row 3 of the z axis in frame 1)
     /// theta6:   s5 c6 = xz1
     ///           s5 s6 = -yz1
@@ -200,7 +201,6 @@ impl UR5 {
     ///           (row 3 of the x axis in frame 1; row 3 of the y axis in frame 1)
     /// theta234: s5 c234 = -zx1
     ///           s5 s234 = -r33
-    ///           zx1 = r13 c1 + r23 s1
     ///           (rows 1 and 2 of the z axis in frame 1)
     /// theta3:   2 a2 a3 c3 = z0_2^2 + x1_2^2 - a3^2 - a2^2
     ///           pz0 = pz - d6 r33
@@ -211,12 +211,12 @@ impl UR5 {
     ///           (squares of rows 1 and 2 of the position in frame 1)
     /// theta4:   (a2 c3 + a3) c4 - a2 s3 s4 = x4
     ///           a2 s3 c4 + (a2 c3 + a3) s4 = z4
-    ///           x4 = z0 s234 + c234 x1
-    ///           z4 = s234 x1 - (z0 c234 + d5)
+    ///           x4 = s234 z0 + c234 x1
+    ///           z4 = s234 x1 - (c234 z0 + d5)
     ///           (rows 1 and 3 of the position in frame 4)
     /// ```
     ///
-    /// Besides solving, on each branch: 23 multiplications, 18 additions, 4 sine-cosine pairs.
+    /// Besides solving, on each branch: 73 multiplications, 44 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -275,7 +275,7 @@ impl UR5 {
     ///           (rows 1 and 2 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 6 multiplications, 8 additions, 2 sine-cosine pairs.
+    /// Besides solving, on each branch: 22 multiplications, 19 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -567,7 +567,11 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 }
 
 /// Every solution of the full pose.
-#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(
+    clippy::similar_names,
+    clippy::too_many_lines,
+    reason = "the names are those of the equations"
+)]
 fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA5: Step = Step::new(1, 0b1_0000, false, Measure::Ratio);
@@ -576,56 +580,79 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
     const THETA3: Step = Step::new(4, 0b100, false, Measure::Area);
     const THETA4: Step = Step::new(5, 0b1000, false, Measure::Length);
 
-    let target = target.validate_as(TargetKind::Pose)?;
-    let [r11, r12, r13, px, r21, r22, r23, py, _, _, r33, pz] = target.numbers().array();
+    let pose = target.validate_pose()?;
+    let [r11, r12, r13, px, r21, r22, r23, py, _, _, r33, pz] = pose.rows();
     let mut search = Search::new(REACH, &WINDINGS);
     let py0 = py - D6 * r23;
     let px0 = px - D6 * r13;
 
     // theta1: py0 c1 - px0 s1 = -d4 (row 3 of the position in frame 1)
     let mut roots = search.trig(THETA1, py0, -px0, -D4);
-    while let Some(theta1) = search.next(&mut roots) {
-        let (s1, c1) = Float::sin_cos(theta1);
+    while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
         let zz1 = r13 * s1 - r23 * c1;
+        let zx1 = r13 * c1 + r23 * s1;
 
         // theta5: c5 = zz1 (row 3 of the z axis in frame 1)
-        let mut roots = search.trig(THETA5, 1.0, 0.0, zz1);
-        while let Some(theta5) = search.next(&mut roots) {
-            let (s5, _) = Float::sin_cos(theta5);
+        let mut roots = search.trig_unit(THETA5, [1.0, 0.0, zz1], [zx1, r33]);
+        while let Some((theta5, s5, c5)) = search.next_angle(&mut roots) {
             let xz1 = r11 * s1 - r21 * c1;
             let yz1 = r12 * s1 - r22 * c1;
 
             // theta6: s5 c6 = xz1; s5 s6 = -yz1
             // (row 3 of the x axis in frame 1; row 3 of the y axis in frame 1)
             let mut roots = search.trig_pair(THETA6, [s5, 0.0, xz1], [0.0, s5, -yz1]);
-            while let Some(theta6) = search.next(&mut roots) {
-                let zx1 = r13 * c1 + r23 * s1;
-
+            while let Some((theta6, s6, c6)) = search.next_angle(&mut roots) {
                 // theta234: s5 c234 = -zx1; s5 s234 = -r33 (rows 1 and 2 of the z axis in frame 1)
                 let mut roots = search.trig_pair(THETA234, [s5, 0.0, -zx1], [0.0, s5, -r33]);
-                while let Some(theta234) = search.next(&mut roots) {
-                    let (s234, c234) = Float::sin_cos(theta234);
+                while let Some((theta234, s234, c234)) = search.next_angle(&mut roots) {
                     let pz0 = pz - D6 * r33;
                     let z0 = pz0 - D1;
-                    let z0_2 = z0 + D5 * c234;
+                    let t1 = D5 * c234;
+                    let z0_2 = z0 + t1;
                     let x1 = px0 * c1 + py0 * s1;
-                    let x1_2 = x1 - D5 * s234;
+                    let t2 = D5 * s234;
+                    let x1_2 = x1 - t2;
 
                     // theta3: 2 a2 a3 c3 = z0_2^2 + x1_2^2 - a3^2 - a2^2
                     // (squares of rows 1 and 2 of the position in frame 1)
                     let mut roots =
                         search.trig(THETA3, K1, 0.0, z0_2 * z0_2 + x1_2 * x1_2 - K2 - K3);
-                    while let Some(theta3) = search.next(&mut roots) {
-                        let (s3, c3) = Float::sin_cos(theta3);
-                        let t1 = A2 * c3 + A3;
-                        let t2 = A2 * s3;
-                        let x4 = z0 * s234 + c234 * x1;
-                        let z4 = s234 * x1 - (z0 * c234 + D5);
+                    while let Some((theta3, s3, c3)) = search.next_angle(&mut roots) {
+                        let t3 = A2 * c3 + A3;
+                        let t4 = A2 * s3;
+                        let x4 = s234 * z0 + c234 * x1;
+                        let z4 = s234 * x1 - (c234 * z0 + D5);
 
                         // theta4: (a2 c3 + a3) c4 - a2 s3 s4 = x4; a2 s3 c4 + (a2 c3 + a3) s4 = z4
                         // (rows 1 and 3 of the position in frame 4)
-                        let mut roots = search.trig_pair(THETA4, [t1, -t2, x4], [t2, t1, z4]);
-                        while let Some(theta4) = search.next(&mut roots) {
+                        let mut roots = search.trig_pair(THETA4, [t3, -t4, x4], [t4, t3, z4]);
+                        while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
+                            let r11_4 = c5 * c6;
+                            let r11_1 = c234 * r11_4 - s6 * s234;
+                            let r21_4 = s5 * c6;
+                            let nr12_4 = c5 * s6;
+                            let nr12_1 = c234 * nr12_4 + c6 * s234;
+                            let nr22_4 = s5 * s6;
+                            let nr13_1 = s5 * c234;
+                            let nx4 = D6 * s5;
+                            let x1_3 = t2 - c234 * nx4;
+                            let c23 = c234 * c4 + s234 * s4;
+                            let x1_2_v2 = x1_3 + A3 * c23;
+                            let t5 = c234 * c3 + s234 * s3;
+                            let t6 = s234 * c3 - c234 * s3;
+                            let c2 = c4 * t5 + s4 * t6;
+                            let x1_v2 = x1_2_v2 + A2 * c2;
+                            let y4 = D6 * c5;
+                            let z1 = y4 + D4;
+                            let r21_1 = s234 * r11_4 + s6 * c234;
+                            let nr22_1 = s234 * nr12_4 - c6 * c234;
+                            let nr23_1 = s5 * s234;
+                            let ny1_3 = t1 + s234 * nx4;
+                            let s23 = s234 * c4 - c234 * s4;
+                            let ny1_2 = ny1_3 - A3 * s23;
+                            let s2 = c4 * t6 - s4 * t5;
+                            let ny1 = ny1_2 - A2 * s2;
+
                             let q = [
                                 theta1,
                                 theta234 - theta3 - theta4,
@@ -634,9 +661,23 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
                                 theta5,
                                 theta6,
                             ];
-                            let (position_error, rotation_error) =
-                                target.errors(&forward_kinematics(&q));
-                            search.accept(q, position_error, rotation_error);
+                            let tool = Frame {
+                                rotation: [
+                                    [
+                                        c1 * r11_1 + s1 * r21_4,
+                                        -(c1 * nr12_1 + s1 * nr22_4),
+                                        s1 * c5 - c1 * nr13_1,
+                                    ],
+                                    [
+                                        s1 * r11_1 - c1 * r21_4,
+                                        c1 * nr22_4 - s1 * nr12_1,
+                                        -(s1 * nr13_1 + c1 * c5),
+                                    ],
+                                    [r21_1, -nr22_1, -nr23_1],
+                                ],
+                                translation: [c1 * x1_v2 + s1 * z1, s1 * x1_v2 - c1 * z1, D1 - ny1],
+                            };
+                            search.accept_pose(q, &tool, &pose, pose_and_jacobian);
                         }
                     }
                 }
@@ -660,27 +701,33 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
 
     // theta1: py c1 - px s1 = -d4 (row 3 of the position in frame 1)
     let mut roots = search.trig(THETA1, py, -px, -D4);
-    while let Some(theta1) = search.next(&mut roots) {
-        let (s1, c1) = Float::sin_cos(theta1);
-
+    while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
         // theta6: s1 c6 - c1 s6 = -cyaw; c1 c6 + s1 s6 = syaw (cosine of the yaw; sine of the yaw)
         let mut roots = search.trig_pair(THETA6, [s1, -c1, -cyaw], [c1, s1, syaw]);
-        while let Some(theta6) = search.next(&mut roots) {
+        while let Some((theta6, s6, c6)) = search.next_angle(&mut roots) {
             let z0 = pz + D6 - D1;
             let x1 = px * c1 + D5 + py * s1;
 
             // theta3: 2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
             // (squares of rows 1 and 2 of the position in frame 1)
             let mut roots = search.trig(THETA3, K1, 0.0, z0 * z0 + x1 * x1 - K2 - K3);
-            while let Some(theta3) = search.next(&mut roots) {
-                let (s3, c3) = Float::sin_cos(theta3);
+            while let Some((theta3, s3, c3)) = search.next_angle(&mut roots) {
                 let t1 = A3 * c3 + A2;
                 let t2 = A3 * s3;
 
                 // theta2: (a3 c3 + a2) c2 - a3 s3 s2 = x1; a3 s3 c2 + (a3 c3 + a2) s2 = z0
                 // (rows 1 and 2 of the position in frame 1)
                 let mut roots = search.trig_pair(THETA2, [t1, -t2, x1], [t2, t1, z0]);
-                while let Some(theta2) = search.next(&mut roots) {
+                while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+                    let t3 = c1 * s6 - s1 * c6;
+                    let t4 = s1 * s6 + c1 * c6;
+                    let c23 = c3 * c2 - s3 * s2;
+                    let x1_2 = A3 * c23 - D5;
+                    let x1_v2 = x1_2 + A2 * c2;
+                    let s23 = s3 * c2 + c3 * s2;
+                    let y1_2 = A3 * s23 - D6;
+                    let y1 = y1_2 + A2 * s2;
+
                     let q = [
                         theta1,
                         theta2,
@@ -689,7 +736,11 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
                         -FRAC_PI_2,
                         theta6,
                     ];
-                    let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                    let tool = Frame {
+                        rotation: [[t3, t4, 0.0], [t4, -t3, 0.0], [0.0, 0.0, -1.0]],
+                        translation: [c1 * x1_v2 + D4 * s1, s1 * x1_v2 - D4 * c1, y1 + D1],
+                    };
+                    let (position_error, rotation_error) = target.errors(&tool);
                     search.accept(q, position_error, rotation_error);
                 }
             }

@@ -203,7 +203,7 @@ impl VS068 {
     /// theta3:   2 a2 d4 s3 = -n1_2
     ///           pz0 = pz - tool_z r33
     ///           n1 = d1 (2 pz0 - d1) - (px0^2 + py0^2 + pz0^2 + a1^2 - d4^2 - a2^2)
-    ///           n1_2 = a1 (2 px0 c1 + 2 s1 py0) + n1
+    ///           n1_2 = a1 (2 c1 px0 + 2 s1 py0) + n1
     ///           (squared distance of the position from the origin of frame 1)
     /// theta2:   (d4 s3 + a2) c2 + d4 c3 s2 = x1
     ///           d4 c3 c2 - (d4 s3 + a2) s2 = z0
@@ -211,26 +211,25 @@ impl VS068 {
     ///           z0 = pz0 - d1
     ///           (rows 1 and 2 of the position in frame 1)
     /// theta5:   c5 = zz3
-    ///           zz3 = r23 (1/2 c1m2m3 - 1/2 c123) + r13 (1/2 s123 - 1/2 s1m2m3) + r33 c23
-    ///           (row 3 of the z axis in frame 3)
-    /// theta4:   s5 c4 = zx3
-    ///           s5 s4 = zz1
-    ///           zx3 = r23 (1/2 s123 + 1/2 s1m2m3) + r13 (1/2 c1m2m3 + 1/2 c123) - r33 s23
+    ///           zz3 = s2 (c3 (r13 c1 + r23 s1) - r33 s3) + c2 (s3 (r13 c1 + r23 s1) + r33 c3)
+    ///           zx3 = s2 (s3 (r13 c1 + r23 s1) + r33 c3) - c2 (c3 (r13 c1 + r23 s1) - r33 s3)
     ///           zz1 = r23 c1 - r13 s1
+    ///           (row 3 of the z axis in frame 3)
+    /// theta4:   s5 c4 = -zx3
+    ///           s5 s4 = zz1
     ///           (rows 1 and 2 of the z axis in frame 3)
     /// theta6:   c6 = xx5_2
     ///           s6 = -xz4
     ///           xx5 = s5 (s2 (c3 (r12 c1 + r22 s1) - r32 s3) + c2 (s3 (r12 c1 + r22 s1) + r32
     ///           c3))
-    ///           xx5_2 = c5 ((s2 (s3 (r12 c1 + r22 s1) + r32 c3) - c2 (c3 (r12 c1 + r22 s1) - r32
-    ///           s3)) c4 + s4 (r12 s1 - r22 c1)) + xx5
-    ///           xz4 = (s2 (s3 (r12 c1 + r22 s1) + r32 c3) - c2 (c3 (r12 c1 + r22 s1) - r32 s3))
-    ///           s4 - c4 (r12 s1 - r22 c1)
+    ///           xx5_2 = c5 (c4 (s2 (s3 (r12 c1 + r22 s1) + r32 c3) - c2 (c3 (r12 c1 + r22 s1) -
+    ///           r32 s3)) + s4 (r12 s1 - r22 c1)) + xx5
+    ///           xz4 = s4 (s2 (s3 (r12 c1 + r22 s1) + r32 c3) - c2 (c3 (r12 c1 + r22 s1) - r32
+    ///           s3)) - c4 (r12 s1 - r22 c1)
     ///           (rows 1 and 2 of the x axis in frame 5)
     /// ```
     ///
-    /// Besides solving, on each branch: 47 multiplications, 34 additions, 8 sine-cosine pairs (and
-    /// 5 additions in their arguments).
+    /// Besides solving, on each branch: 101 multiplications, 58 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -289,7 +288,7 @@ impl VS068 {
     ///           (rows 1 and 2 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 6 multiplications, 8 additions, 2 sine-cosine pairs.
+    /// Besides solving, on each branch: 42 multiplications, 26 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -668,7 +667,11 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 }
 
 /// Every solution of the full pose.
-#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(
+    clippy::similar_names,
+    clippy::too_many_lines,
+    reason = "the names are those of the equations"
+)]
 fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA3: Step = Step::new(1, 0b100, false, Measure::Area);
@@ -677,24 +680,22 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
     const THETA4: Step = Step::new(4, 0b1000, false, Measure::Ratio);
     const THETA6: Step = Step::new(5, 0b10_0000, false, Measure::Ratio);
 
-    let target = target.validate_as(TargetKind::Pose)?;
-    let [_, r12, r13, px, _, r22, r23, py, _, r32, r33, pz] = target.numbers().array();
+    let pose = target.validate_pose()?;
+    let [_, r12, r13, px, _, r22, r23, py, _, r32, r33, pz] = pose.rows();
     let mut search = Search::new(REACH, &WINDINGS);
     let py0 = py - TOOL_Z * r23;
     let px0 = px - TOOL_Z * r13;
 
     // theta1: py0 c1 - px0 s1 = 0 (row 3 of the position in frame 1)
     let mut roots = search.trig(THETA1, py0, -px0, 0.0);
-    while let Some(theta1) = search.next(&mut roots) {
-        let (s1, c1) = Float::sin_cos(theta1);
+    while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
         let pz0 = pz - TOOL_Z * r33;
         let n1 = D1 * (2.0 * pz0 - D1) - (px0 * px0 + py0 * py0 + pz0 * pz0 + K2 - K3 - K4);
-        let n1_2 = A1 * (2.0 * px0 * c1 + s1 * (2.0 * py0)) + n1;
+        let n1_2 = A1 * (c1 * (2.0 * px0) + s1 * (2.0 * py0)) + n1;
 
         // theta3: 2 a2 d4 s3 = -n1_2 (squared distance of the position from the origin of frame 1)
         let mut roots = search.trig(THETA3, 0.0, K1, -n1_2);
-        while let Some(theta3) = search.next(&mut roots) {
-            let (s3, c3) = Float::sin_cos(theta3);
+        while let Some((theta3, s3, c3)) = search.next_angle(&mut roots) {
             let t1 = D4 * s3 + A2;
             let t2 = D4 * c3;
             let x1 = px0 * c1 + py0 * s1 - A1;
@@ -703,41 +704,53 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
             // theta2: (d4 s3 + a2) c2 + d4 c3 s2 = x1; d4 c3 c2 - (d4 s3 + a2) s2 = z0
             // (rows 1 and 2 of the position in frame 1)
             let mut roots = search.trig_pair(THETA2, [t1, t2, x1], [t2, -t1, z0]);
-            while let Some(theta2) = search.next(&mut roots) {
-                let (s1m2m3, c1m2m3) = Float::sin_cos(theta1 - theta3 - theta2);
-                let (s123, c123) = Float::sin_cos(theta1 + theta3 + theta2);
-                let (s23, c23) = Float::sin_cos(theta3 + theta2);
-                let t3 = 0.5 * c1m2m3;
-                let t4 = 0.5 * c123;
-                let t5 = 0.5 * s123;
-                let t6 = 0.5 * s1m2m3;
-                let zz3 = r23 * (t3 - t4) + (r13 * (t5 - t6) + r33 * c23);
+            while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+                let t3 = r13 * c1 + r23 * s1;
+                let t4 = c3 * t3 - r33 * s3;
+                let t5 = s3 * t3 + r33 * c3;
+                let zz3 = s2 * t4 + c2 * t5;
+                let zx3 = s2 * t5 - c2 * t4;
+                let zz1 = r23 * c1 - r13 * s1;
 
                 // theta5: c5 = zz3 (row 3 of the z axis in frame 3)
-                let mut roots = search.trig(THETA5, 1.0, 0.0, zz3);
-                while let Some(theta5) = search.next(&mut roots) {
-                    let (s5, c5) = Float::sin_cos(theta5);
-                    let zx3 = r23 * (t5 + t6) + (r13 * (t3 + t4) - r33 * s23);
-                    let zz1 = r23 * c1 - r13 * s1;
-
-                    // theta4: s5 c4 = zx3; s5 s4 = zz1 (rows 1 and 2 of the z axis in frame 3)
-                    let mut roots = search.trig_pair(THETA4, [s5, 0.0, zx3], [0.0, s5, zz1]);
-                    while let Some(theta4) = search.next(&mut roots) {
-                        let (s2, c2) = Float::sin_cos(theta2);
-                        let (s4, c4) = Float::sin_cos(theta4);
-                        let t7 = r12 * c1 + r22 * s1;
-                        let t8 = s3 * t7 + r32 * c3;
-                        let t9 = c3 * t7 - r32 * s3;
-                        let t10 = s2 * t8 - c2 * t9;
-                        let t11 = r12 * s1 - r22 * c1;
-                        let xx5 = s5 * (s2 * t9 + c2 * t8);
-                        let xx5_2 = c5 * (t10 * c4 + s4 * t11) + xx5;
-                        let xz4 = t10 * s4 - c4 * t11;
+                let mut roots = search.trig_unit(THETA5, [1.0, 0.0, zz3], [-zx3, zz1]);
+                while let Some((theta5, s5, c5)) = search.next_angle(&mut roots) {
+                    // theta4: s5 c4 = -zx3; s5 s4 = zz1 (rows 1 and 2 of the z axis in frame 3)
+                    let mut roots = search.trig_pair(THETA4, [s5, 0.0, -zx3], [0.0, s5, zz1]);
+                    while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
+                        let t6 = r12 * c1 + r22 * s1;
+                        let t7 = s3 * t6 + r32 * c3;
+                        let t8 = c3 * t6 - r32 * s3;
+                        let t9 = s2 * t7 - c2 * t8;
+                        let t10 = r12 * s1 - r22 * c1;
+                        let xx5 = s5 * (s2 * t8 + c2 * t7);
+                        let xx5_2 = c5 * (c4 * t9 + s4 * t10) + xx5;
+                        let xz4 = s4 * t9 - c4 * t10;
 
                         // theta6: c6 = xx5_2; s6 = -xz4 (rows 1 and 2 of the x axis in frame 5)
                         let mut roots =
                             search.trig_pair(THETA6, [1.0, 0.0, xx5_2], [0.0, 1.0, -xz4]);
-                        while let Some(theta6) = search.next(&mut roots) {
+                        while let Some((theta6, s6, c6)) = search.next_angle(&mut roots) {
+                            let c23 = c3 * c2 - s3 * s2;
+                            let t11 = c1 * c23;
+                            let t12 = s1 * c4 + s4 * t11;
+                            let t13 = s1 * s4 - c4 * t11;
+                            let s23 = s3 * c2 + c3 * s2;
+                            let t14 = c1 * s23;
+                            let t15 = c5 * t13 + s5 * t14;
+                            let t16 = c5 * t14 - s5 * t13;
+                            let t17 = A2 * c2;
+                            let t18 = s1 * c23;
+                            let t19 = c1 * c4 - s4 * t18;
+                            let t20 = c1 * s4 + c4 * t18;
+                            let t21 = s1 * s23;
+                            let t22 = c5 * t20 - s5 * t21;
+                            let t23 = c5 * t21 + s5 * t20;
+                            let t24 = s23 * s4;
+                            let t25 = s23 * c4;
+                            let t26 = c23 * s5 + c5 * t25;
+                            let t27 = c23 * c5 - s5 * t25;
+
                             let q = [
                                 theta1 + FRAC_PI_2,
                                 theta2 + FRAC_PI_2,
@@ -746,9 +759,19 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
                                 theta5,
                                 theta6,
                             ];
-                            let (position_error, rotation_error) =
-                                target.errors(&forward_kinematics(&q));
-                            search.accept(q, position_error, rotation_error);
+                            let tool = Frame {
+                                rotation: [
+                                    [s6 * t15 - c6 * t12, s6 * t12 + c6 * t15, t16],
+                                    [c6 * t19 - s6 * t22, -(s6 * t19 + c6 * t22), t23],
+                                    [t24 * c6 + s6 * t26, c6 * t26 - t24 * s6, t27],
+                                ],
+                                translation: [
+                                    A1 * c1 + c1 * t17 + D4 * t14 + TOOL_Z * t16,
+                                    A1 * s1 + s1 * t17 + D4 * t21 + TOOL_Z * t23,
+                                    TOOL_Z * t27 - (A2 * s2 - D1 - D4 * c23),
+                                ],
+                            };
+                            search.accept_pose(q, &tool, &pose, pose_and_jacobian);
                         }
                     }
                 }
@@ -772,27 +795,44 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
 
     // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
     let mut roots = search.trig(THETA1, py, -px, 0.0);
-    while let Some(theta1) = search.next(&mut roots) {
-        let (s1, c1) = Float::sin_cos(theta1);
-
+    while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
         // theta6: s1 c6 - c1 s6 = -cyaw; c1 c6 + s1 s6 = syaw (cosine of the yaw; sine of the yaw)
         let mut roots = search.trig_pair(THETA6, [s1, -c1, -cyaw], [c1, s1, syaw]);
-        while let Some(theta6) = search.next(&mut roots) {
+        while let Some((theta6, s6, c6)) = search.next_angle(&mut roots) {
             let z0 = pz + TOOL_Z - D1;
             let x1 = px * c1 + py * s1 - A1;
 
             // theta3: 2 a2 d4 s3 = z0^2 + x1^2 - d4^2 - a2^2
             // (squares of rows 1 and 2 of the position in frame 1)
             let mut roots = search.trig(THETA3, 0.0, K1, z0 * z0 + x1 * x1 - K3 - K4);
-            while let Some(theta3) = search.next(&mut roots) {
-                let (s3, c3) = Float::sin_cos(theta3);
+            while let Some((theta3, s3, c3)) = search.next_angle(&mut roots) {
                 let t1 = D4 * s3 + A2;
                 let t2 = D4 * c3;
 
                 // theta2: (d4 s3 + a2) c2 + d4 c3 s2 = x1; d4 c3 c2 - (d4 s3 + a2) s2 = z0
                 // (rows 1 and 2 of the position in frame 1)
                 let mut roots = search.trig_pair(THETA2, [t1, t2, x1], [t2, -t1, z0]);
-                while let Some(theta2) = search.next(&mut roots) {
+                while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+                    let nc5 = c3 * c2 - s3 * s2;
+                    let r11_4 = s6 * nc5;
+                    let s5 = s3 * c2 + c3 * s2;
+                    let nr21_4 = s6 * s5;
+                    let r11_1 = nc5 * r11_4 + s5 * nr21_4;
+                    let r12_4 = c6 * nc5;
+                    let nr22_4 = c6 * s5;
+                    let r12_1 = nc5 * r12_4 + s5 * nr22_4;
+                    let x4 = TOOL_Z * s5;
+                    let y4 = TOOL_Z * nc5;
+                    let nz3 = y4 - D4;
+                    let x1_2 = nc5 * x4 - s5 * nz3;
+                    let x1_v2 = x1_2 + A2 * c2;
+                    let t3 = x1_v2 + A1;
+                    let r21_1 = s5 * r11_4 - nc5 * nr21_4;
+                    let r22_1 = s5 * r12_4 - nc5 * nr22_4;
+                    let r23_1 = s5 * s5 + nc5 * nc5;
+                    let y1_2 = s5 * x4 + nc5 * nz3;
+                    let y1 = y1_2 + A2 * s2;
+
                     let q = [
                         theta1 + FRAC_PI_2,
                         theta2 + FRAC_PI_2,
@@ -801,7 +841,15 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<6>, IkError> {
                         -theta2 - theta3 + PI,
                         theta6,
                     ];
-                    let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
+                    let tool = Frame {
+                        rotation: [
+                            [c1 * r11_1 - s1 * c6, c1 * r12_1 + s1 * s6, 0.0],
+                            [s1 * r11_1 + c1 * c6, s1 * r12_1 - c1 * s6, 0.0],
+                            [-r21_1, -r22_1, -r23_1],
+                        ],
+                        translation: [c1 * t3, s1 * t3, D1 - y1],
+                    };
+                    let (position_error, rotation_error) = target.errors(&tool);
                     search.accept(q, position_error, rotation_error);
                 }
             }

@@ -76,7 +76,7 @@ fn roots(steps: &[Step]) -> Vec<usize> {
     for step in steps {
         if let Step::Solve { equation, body, .. } = step {
             found.push(match equation {
-                Equation::Trig { .. } | Equation::Quadratic { .. } => 2,
+                Equation::Trig { .. } | Equation::TrigUnit { .. } | Equation::Quadratic { .. } => 2,
                 Equation::TrigPair { .. } | Equation::Linear { .. } => 1,
             });
             found.extend(roots(body));

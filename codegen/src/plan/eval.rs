@@ -109,6 +109,7 @@ impl<'m, S: Float> Program<'m, S> {
             routine,
             names,
             fk,
+            both: self.find(&FunctionKind::FkJacobian).map(|(_, both)| both),
             target,
             dof: self.model.joints.len(),
             reach,

@@ -74,7 +74,7 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         .q
         .iter()
         .map(|form| sum(form, |place| joints.get(place).cloned().unwrap_or(Scalar::Number(0.0))));
-    let body = vec![Step::Accept { q: q.collect() }];
+    let body = vec![Step::Accept { q: q.collect(), tool: Vec::new(), polish: false }];
     let chain = GeneralChain { charts, ..chain };
     Ok(Function {
         kind: FunctionKind::Inverse(index),

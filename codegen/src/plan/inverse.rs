@@ -28,7 +28,9 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
     let excess = model.joints.len().saturating_sub(Target::Pose.rows());
     if !named && excess == 1 {
         match redundant(model) {
-            Ok((problem, derivation)) => functions.push(function(None, &problem, &derivation, constants)),
+            Ok((problem, derivation)) => {
+                functions.push(function(None, &problem, &derivation, true, constants))
+            }
             Err(refusal) => unsolved.push(Unsolved { problem: None, refusal }),
         }
     }
@@ -48,7 +50,9 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
         });
         match derived.get(at) {
             Some((problem, Ok(derivation))) => {
-                functions.push(function(index, problem, derivation, constants));
+                let index_of = index.and_then(|index| model.problems.get(index));
+                let polish = problem.is_whole_pose() && index_of.is_none_or(Problem::is_whole_pose);
+                functions.push(function(index, problem, derivation, polish, constants));
             }
             Some((_, Err(refusal))) => {
                 unsolved.push(Unsolved { problem: index, refusal: refusal.clone() });
@@ -102,6 +106,7 @@ fn function(
     index: Option<usize>,
     problem: &Problem,
     derivation: &Derivation,
+    polish: bool,
     constants: &mut Constants,
 ) -> Function {
     let arena = &derivation.arena;
@@ -115,20 +120,20 @@ fn function(
             _ => None,
         })
         .collect();
-    let coefficients: Vec<Expr> =
-        derivation.stages.iter().flat_map(|stage| stage.equation.coefficients()).collect();
     let target = inputs.len();
     inputs.extend(derivation.given.iter().cloned());
-    let mut scheduler = Scheduler::new(arena, constants, &inputs, &coefficients);
+    let coefficients = derivation.stages.iter().flat_map(|stage| stage.equation.coefficients());
+    let computed: Vec<Expr> = coefficients.chain(derivation.tool.iter().copied()).collect();
+    let mut scheduler = Scheduler::new(arena, constants, &inputs, &computed);
     for (index, input) in derivation.inputs.iter().enumerate() {
         scheduler.bind(*input, super::ValueId(index));
     }
     scheduler.variables = (target..inputs.len()).map(super::ValueId).collect();
     // What depends on the given joints alone is the same in every branch.
-    scheduler.leaves_of(derivation.given.len(), &coefficients);
+    scheduler.leaves_of(derivation.given.len(), &computed);
     let mut steps = std::mem::take(&mut scheduler.steps);
     let stages = derivation.stages.iter().map(stage).collect();
-    steps.extend(nested(&mut scheduler, derivation, 0));
+    steps.extend(nested(&mut scheduler, derivation, polish, 0));
     Function {
         kind: FunctionKind::Inverse(index),
         values: scheduler.values,
@@ -142,11 +147,15 @@ fn function(
 }
 
 /// The steps from a stage on, inside the loop over the roots of the one before.
-fn nested(scheduler: &mut Scheduler<'_>, derivation: &Derivation, index: usize) -> Vec<Step> {
+fn nested(scheduler: &mut Scheduler<'_>, derivation: &Derivation, polish: bool, index: usize) -> Vec<Step> {
     let Some(stage) = derivation.stages.get(index) else {
         let q =
             derivation.joints.iter().map(|joint| scheduler.linear(&joint.terms, joint.constant)).collect();
-        return vec![Step::Accept { q }];
+        let outer = std::mem::take(&mut scheduler.steps);
+        let tool = scheduler.scalars(&derivation.tool);
+        let mut steps = std::mem::replace(&mut scheduler.steps, outer);
+        steps.push(Step::Accept { q, tool, polish });
+        return steps;
     };
     let outer = std::mem::take(&mut scheduler.steps);
     let scalars = scheduler.scalars(&stage.equation.coefficients());
@@ -156,9 +165,10 @@ fn nested(scheduler: &mut Scheduler<'_>, derivation: &Derivation, index: usize) 
     if let Some(slide) = stage.slide {
         scheduler.bind(slide, root);
     }
-    let body = nested(scheduler, derivation, index + 1);
+    let sin_cos = scheduler.sin_cos_of_variable(derivation.given.len() + index);
+    let body = nested(scheduler, derivation, polish, index + 1);
     if let Some(equation) = equation(&stage.equation, scalars) {
-        steps.push(Step::Solve { stage: index, root, equation, body });
+        steps.push(Step::Solve { stage: index, root, sin_cos, equation, body });
     }
     steps
 }
@@ -168,6 +178,9 @@ fn equation(kind: &StageEquation, scalars: Vec<Scalar>) -> Option<Equation> {
     let mut next = || scalars.next();
     Some(match kind {
         StageEquation::Trig(_) => Equation::Trig { a: next()?, b: next()?, c: next()? },
+        StageEquation::TrigUnit(..) => {
+            Equation::TrigUnit { row: [next()?, next()?, next()?], others: [next()?, next()?] }
+        }
         StageEquation::TrigPair(..) => {
             Equation::TrigPair { first: [next()?, next()?, next()?], second: [next()?, next()?, next()?] }
         }

@@ -221,6 +221,16 @@ impl<'a> Scheduler<'a> {
         }
     }
 
+    /// Names the sine and cosine of a variable that a step finds with its angle, where anything speaks of them.
+    pub(super) fn sin_cos_of_variable(&mut self, variable: usize) -> Option<[ValueId; 2]> {
+        let (suffix, sin, cos) = self.arena.sin_cos_of_variable(variable)?;
+        let ids = [format!("s{suffix}"), format!("c{suffix}")].map(|name| self.value(&name));
+        let [sin_id, cos_id] = ids;
+        self.defined.insert(sin, sin_id);
+        self.defined.insert(cos, cos_id);
+        Some(ids)
+    }
+
     /// The argument, less the quarter turns taken out of it.
     fn angle(&mut self, form: &AngleForm, quarters: i32) -> Scalar {
         let constant = if quarters == 0 { form.turn.value() } else { 0.0 };

@@ -1,9 +1,9 @@
 //! The robot as groups of parallel joints with fixed transforms between them, its numbers as expressions.
 
 use super::angle::{AngleForm, Turn};
-use super::expression::{Arena, Leaf};
+use super::expression::{Arena, Expr, Leaf};
 use super::transform::{self, Rigid, Vec3};
-use crate::model::chain::Element;
+use crate::model::chain::{ChainJoint, Element};
 use crate::model::{JointKind, Model};
 
 /// All joints of a robot, base to tip.
@@ -43,8 +43,38 @@ pub struct Joint {
     pub offset: Vec3,
 }
 
+/// The variable of a row: theta, or d.
+#[derive(Debug, Clone)]
+pub enum Variable {
+    /// theta
+    Angle(AngleForm),
+    /// d
+    Slide(Expr),
+}
+
 /// Writes the robot's links as expressions; `with_tool` false leaves `[tool]` out.
 pub fn build(arena: &mut Arena, model: &Model, with_tool: bool) -> Chain {
+    of_variables(arena, model, with_tool, |arena, row| {
+        let data = model.rows.get(row)?;
+        Some(match data.kind {
+            JointKind::Revolute => {
+                Variable::Angle(AngleForm { terms: sorted(&data.terms), turn: Turn::new(data.theta) })
+            }
+            JointKind::Prismatic => {
+                let leaf = Leaf::Slide { terms: sorted(&data.terms), constant: data.d };
+                Variable::Slide(arena.leaf(&format!("d{}", row + 1), leaf))
+            }
+        })
+    })
+}
+
+/// The same with the variables of rows in other terms than the joint variables.
+pub fn of_variables(
+    arena: &mut Arena,
+    model: &Model,
+    with_tool: bool,
+    mut variable: impl FnMut(&mut Arena, usize) -> Option<Variable>,
+) -> Chain {
     let plain = model.chain();
     let last = plain.joints.len();
     let mut before = rigid(arena, plain.links.first().map_or(&[][..], |link| &link.elements));
@@ -56,7 +86,8 @@ pub fn build(arena: &mut Arena, model: &Model, with_tool: bool) -> Chain {
             groups.push(Group { before, joints: Vec::new() });
             run = Run::start();
         }
-        let mut member = run.joint(arena, model, joint.row);
+        let variable = variable(arena, joint.row);
+        let mut member = run.joint(arena, joint, variable);
         let link = plain.links.get(index + 1);
         let elements = link.map_or(&[][..], |link| match link.elements.get(..link.flange) {
             Some(flange) if !with_tool => flange,
@@ -90,25 +121,20 @@ impl Run {
         Self { turn: AngleForm::ZERO, flipped: false, rows: Vec::new() }
     }
 
-    fn joint(&mut self, arena: &mut Arena, model: &Model, row: usize) -> Joint {
+    fn joint(&mut self, arena: &mut Arena, joint: &ChainJoint, variable: Option<Variable>) -> Joint {
         let mut offset = transform::zero_vector(arena);
-        let Some(data) = model.rows.get(row) else {
-            return self.here(row, JointKind::Revolute, offset);
-        };
-        match data.kind {
-            JointKind::Revolute => {
-                let theta = AngleForm { terms: sorted(&data.terms), turn: Turn::new(data.theta) };
+        match variable {
+            Some(Variable::Angle(theta)) => {
                 self.turn = self.turn.plus(&theta, if self.flipped { -1.0 } else { 1.0 });
-                self.rows.push((row, !self.flipped));
+                self.rows.push((joint.row, !self.flipped));
             }
-            JointKind::Prismatic => {
+            Some(Variable::Slide(slide)) => {
                 let [_, _, z] = &mut offset;
-                let leaf = Leaf::Slide { terms: sorted(&data.terms), constant: data.d };
-                let slide = arena.leaf(&format!("d{}", row + 1), leaf);
                 *z = if self.flipped { arena.neg(slide) } else { slide };
             }
+            None => {}
         }
-        self.here(row, data.kind, offset)
+        self.here(joint.row, joint.kind, offset)
     }
 
     fn here(&self, row: usize, kind: JointKind, offset: Vec3) -> Joint {

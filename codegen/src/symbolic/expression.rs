@@ -54,11 +54,13 @@ pub enum Node {
 pub struct Arena {
     nodes: Vec<Node>,
     facts: Vec<Facts>,
-    ids: HashMap<Node, Expr>,
+    pub(super) ids: HashMap<Node, Expr>,
     leaves: Vec<(String, Leaf)>,
     leaf_ids: HashMap<String, Expr>,
-    angles: Vec<(String, AngleForm)>,
+    pub(super) angles: Vec<(String, AngleForm)>,
     names: HashMap<Expr, String>,
+    /// See `Arena::by_variable`.
+    pub(super) by_variable: bool,
 }
 
 /// What is known of an expression when it is made. An expression is a graph and may be large written out, so nothing
@@ -87,6 +89,7 @@ impl Default for Arena {
             leaf_ids: HashMap::new(),
             angles: Vec::new(),
             names: HashMap::new(),
+            by_variable: false,
         };
         arena.intern(Node::Number(Number::ZERO));
         arena.intern(Node::Number(Number::ONE));
@@ -152,6 +155,11 @@ impl Arena {
     pub fn sin_cos(&mut self, suffix: &str, form: &AngleForm) -> (Expr, Expr) {
         if form.terms.is_empty() {
             return self.constant_sin_cos(suffix, form);
+        }
+        if self.by_variable
+            && let Some(sum) = self.sin_cos_by_variable(suffix, form)
+        {
+            return sum;
         }
         let negated = form.negated();
         let found = self.angles.iter().position(|(_, known)| known == form || *known == negated);

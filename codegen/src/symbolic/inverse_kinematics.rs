@@ -6,6 +6,7 @@
 //! coefficients are expressions in the target and in earlier roots (`writing`).
 
 mod atoms;
+mod candidates;
 mod closure;
 /// Problems without a closed form as chains of six joints.
 pub mod general;
@@ -13,6 +14,7 @@ mod polynomial;
 mod reading;
 mod samples;
 mod search;
+mod tool;
 mod tracked;
 mod unknowns;
 mod walk;
@@ -37,6 +39,8 @@ pub struct Derivation {
     pub stages: Vec<Stage>,
     /// Every joint variable q.
     pub joints: Vec<Linear>,
+    /// The tool frame: r11 r12 r13 px r21 ...
+    pub tool: Vec<Expr>,
 }
 
 impl Derivation {
@@ -83,6 +87,8 @@ pub struct Stage {
 pub enum StageEquation {
     /// a cos x + b sin x = c
     Trig([Expr; 3]),
+    /// The same where a^2 + b^2 = 1 and c is a coordinate of a unit vector, with the other two coordinates of it.
+    TrigUnit([Expr; 3], [Expr; 2]),
     /// Two of those.
     TrigPair([Expr; 3], [Expr; 3]),
     /// a x = c
@@ -95,7 +101,7 @@ impl StageEquation {
     /// How many roots it has at most.
     pub fn roots(&self) -> usize {
         match self {
-            Self::Trig(_) | Self::Quadratic(_) => 2,
+            Self::Trig(_) | Self::TrigUnit(..) | Self::Quadratic(_) => 2,
             Self::TrigPair(..) | Self::Linear(_) => 1,
         }
     }
@@ -104,6 +110,7 @@ impl StageEquation {
     pub fn coefficients(&self) -> Vec<Expr> {
         match self {
             Self::Trig(list) | Self::Quadratic(list) => list.to_vec(),
+            Self::TrigUnit(list, others) => list.iter().chain(others).copied().collect(),
             Self::TrigPair(first, second) => [*first, *second].concat(),
             Self::Linear(list) => list.to_vec(),
         }
@@ -184,7 +191,7 @@ fn solve(
         found: Vec::new(),
     };
     match search::run(&arena, start) {
-        Ok(Some(end)) => Ok(writing::write(arena, problem, unknowns, &end)),
+        Ok(Some(end)) => Ok(writing::write(arena, model, problem, unknowns, &end)),
         _ => Err(Refusal::NoClosedForm),
     }
 }

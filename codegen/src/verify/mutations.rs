@@ -12,14 +12,18 @@ fn scalars<'p>(steps: &'p mut [Step], found: &mut Vec<&'p mut Scalar>) {
         match step {
             Step::Let { value, .. } => found.push(value),
             Step::SinCos { angle, .. } => found.push(angle),
-            Step::Accept { q } => found.extend(q),
             Step::General { given, body, .. } => {
                 found.extend(given);
                 scalars(body, found);
             }
+            Step::Accept { q, tool, .. } => {
+                found.extend(q);
+                found.extend(tool);
+            }
             Step::Solve { equation, body, .. } => {
                 match equation {
                     Equation::Trig { a, b, c } | Equation::Quadratic { a, b, c } => found.extend([a, b, c]),
+                    Equation::TrigUnit { row, others } => found.extend(row.iter_mut().chain(others)),
                     Equation::TrigPair { first, second } => found.extend(first.iter_mut().chain(second)),
                     Equation::Linear { a, c } => found.extend([a, c]),
                 }

@@ -1,7 +1,8 @@
 //! Redundant arms as motion and the command line see them: sets of solutions, as many as have room.
 
-use super::Redundancy;
-use crate::{Float, IkError, Kinematics, LengthError, MAX_JOINTS, SolutionSet, Solutions, Target};
+use super::{Arm, Redundancy};
+use crate::solutions::travel;
+use crate::{Float, Frame, IkError, Kinematics, LengthError, MAX_JOINTS, SolutionSet, Solutions, Target};
 
 impl<S: Float> Redundancy<'_, S> {
     /// [`Kinematics::ik_into`] of a problem that leaves one joint to the caller: of the sweep's solutions, limits
@@ -45,18 +46,25 @@ impl<S: Float> Redundancy<'_, S> {
         let mut padded = [S::ZERO; MAX_JOINTS];
         padded.iter_mut().zip(seed).for_each(|(to, from)| *to = *from);
         let target = target.validate()?;
-        let errors = |q: &[S; MAX_JOINTS]| {
-            let tool = arm.fk(q.get(..dof).unwrap_or(q));
-            tool.map_or((S::INFINITY, S::INFINITY), |tool| target.errors(&tool))
-        };
-        let nearest = self.nearest(|free| at(arm, problem, &target, free), point, errors, &padded)?;
+        let at = |free| at(arm, problem, &target, free);
         let allowed =
             |solutions: Solutions<MAX_JOINTS, S>| solutions.within(&self.rules, point, Some(&padded));
-        let mut solutions = match self.swept(arm, problem, &target, &padded, allowed) {
-            Ok(solutions) => solutions,
-            Err(_) => Solutions::empty(),
+        let swept = self.swept(arm, problem, &target, &padded, allowed);
+        if !self.whole_pose {
+            out.fill_padded(dof, swept?);
+            return Ok(());
+        }
+        let state = |q: &[S; MAX_JOINTS]| {
+            let (q, mut columns) = (q.get(..dof).unwrap_or(q), [[S::ZERO; 6]; MAX_JOINTS]);
+            let nowhere = Frame { translation: [S::NAN; 3], ..Frame::IDENTITY };
+            let tool = arm.jacobian_into(q, &mut columns).and_then(|()| arm.fk(q)).unwrap_or(nowhere);
+            (tool, columns)
         };
-        solutions.insert_by_distance(nearest, &padded);
+        let nearest = self.nearest(Arm::new(at, state), point, &target, &padded)?;
+        let mut solutions = swept.unwrap_or(Solutions::empty());
+        if solutions.iter().all(|other| travel(&other.q, &nearest.q) > S::EPSILON) {
+            solutions.insert_by_distance(nearest, &padded);
+        }
         out.fill_padded(dof, solutions);
         Ok(())
     }

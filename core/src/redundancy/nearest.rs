@@ -1,162 +1,203 @@
 //! The solution nearest to a seed, over the whole self-motion.
 //!
-//! The distance to the seed is a function of the free joint's value on every branch. A solution at distance D bounds
-//! where a nearer one may be: the free joint itself is part of the distance, so that only values within D of the seed's
-//! count. These are sampled; neighbouring samples are matched branch by branch, and a stretch of a branch is looked
-//! into unless its length says that it cannot come nearer than what is known: on a path of length L between points at
-//! distances A and B no point is nearer than (A + B - L) / 2. Minima are refined by parabolas, the ends of branches by
-//! bisection.
+//! From the seed downhill leads to a solution; whether another is nearer is then looked for where it could be: a
+//! solution at distance D leaves only values of the free joint within D of the seed's, since that joint is part of the
+//! distance. These are sampled, and from every solution at a sample that may have a nearer one on its stretch of curve
+//! the way goes downhill again. Where the bottom is outside limits, the curve is followed to them.
 
-use super::Redundancy;
+use super::curve::Curve;
+use super::{Range, Redundancy};
+use crate::selection::nearest_winding;
 use crate::solutions::travel;
-use crate::{Float, IkError, MAX_SOLUTIONS, Solution, Solutions};
+use crate::{Float, Frame, IkError, Limits, Rules, Solution, Solutions, Target, TargetKind};
 
 /// How many samples the whole range of the free joint takes.
 const SAMPLES: f64 = 48.0;
-/// A branch between two samples is longer than their distance by up to this factor.
-const BENT: f64 = 1.25;
-/// Stretches longer than this (rad or m) are cut in two before a parabola is laid through them.
-const TAME: f64 = 0.5;
-/// How often a stretch is cut in two.
-const DEPTH: u32 = 8;
-/// How many parabolas are tried on one stretch.
-const PARABOLAS: u32 = 24;
-/// How often the end of a branch is bisected.
-const BISECTIONS: u32 = 40;
-/// Branches that end are followed to their end if they are no farther from the seed than the best by this (rad or m).
-const LAST_STRETCH: f64 = 1.5;
+/// A stretch of a branch is longer than its tangent says by up to this factor.
+const BENT: f64 = 1.5;
+/// Where the free joint hardly moves along the curve, a stretch of it is longer than the tangent says. What is farther
+/// away than this times the square root of half the distance of samples isn't looked at.
+const TURNING: f64 = 4.0;
+/// How much nearer to each other samples are where the free joint turns back.
+const FINER: f64 = 8.0;
+/// A seed counts as a solution up to this many machine epsilons (of the reach, and rad).
+const EXACT: f64 = 256.0;
+/// Joint values this near to a bottom of the curve (rad or m), in its direction, lead to it again.
+const SAME_STRETCH: f64 = 0.5;
+/// A bottom is no farther than this many times the slope towards it (both in rad or m).
+const SLOWEST: f64 = 3.0;
+/// How many bottoms are remembered.
+const BOTTOMS: usize = 8;
 
-/// A point of a branch: the value of the free joint, the joint values in the winding nearest to the seed, and their
-/// distance from it.
-#[derive(Clone, Copy)]
-struct Point<const N: usize, S> {
-    value: S,
-    q: [S; N],
-    distance: S,
+/// What a search for the nearest solution asks of the arm.
+pub struct Arm<A, F> {
+    /// The solutions with the free joint at a value (rad or m).
+    pub at: A,
+    /// The tool frame (m), and the columns of the Jacobian there: vx vy vz (m) wx wy wz (rad), per rad or m.
+    pub state: F,
 }
 
-/// The allowed solutions at one value.
-struct Sample<const N: usize, S> {
-    value: S,
-    points: [Option<Point<N, S>>; MAX_SOLUTIONS],
-}
-
-impl<const N: usize, S: Float> Sample<N, S> {
-    fn points(&self) -> impl Iterator<Item = &Point<N, S>> {
-        self.points.iter().flatten()
-    }
-
-    /// The point nearest to some joint values.
-    fn nearest(&self, q: &[S; N]) -> Option<&Point<N, S>> {
-        let mut best: Option<(&Point<N, S>, S)> = None;
-        for point in self.points() {
-            let distance = travel(&point.q, q);
-            if best.is_none_or(|(_, least)| distance < least) {
-                best = Some((point, distance));
-            }
-        }
-        best.map(|(point, _)| point)
-    }
-
-    /// The point on the same branch as a point of another sample: each is the other's nearest.
-    fn follow(&self, other: &Self, point: &Point<N, S>) -> Option<&Point<N, S>> {
-        let next = self.nearest(&point.q)?;
-        other.nearest(&next.q).is_some_and(|back| back.q == point.q).then_some(next)
+impl<A, F> Arm<A, F> {
+    /// Both functions.
+    pub const fn new(at: A, state: F) -> Self {
+        Self { at, state }
     }
 }
 
-/// A search for the nearest solution.
-struct Nearest<'r, const N: usize, S, A, P> {
-    redundancy: &'r Redundancy<'r, S>,
-    seed: &'r [S; N],
-    at: A,
-    position_of: P,
+struct Nearest<'r, const N: usize, S, F> {
+    /// The free joint (index of q).
+    joint: usize,
+    rules: Rules<'r, S>,
+    curve: Curve<'r, N, S, F>,
+    target: Target<S>,
     best: Option<(Solution<N, S>, S)>,
-    /// Why there is none: the last refusal of one that has solutions, else of any.
+    /// Allowed bottoms that were found.
+    bottoms: [Option<[S; N]>; BOTTOMS],
+    /// Whether the way from some sample led to a bottom that was known.
+    returned: bool,
+    /// Why what was found isn't allowed.
     refusal: Option<IkError<S>>,
+}
+
+/// Whether there were solutions, but none that is allowed.
+fn is_of_rules<S>(error: &IkError<S>) -> bool {
+    matches!(error, IkError::OutsideLimits { .. } | IkError::Forbidden { .. })
 }
 
 impl<S: Float> Redundancy<'_, S> {
     /// The solution nearest to the seed (rad or m; by [`Solutions::nearest`]'s measure) that limits and rules allow,
-    /// whatever the free joint. A seed that is itself a solution is returned as it is.
+    /// whatever the free joint. A seed that is itself a solution is returned as it is. For problems that prescribe the
+    /// whole pose and nothing else.
     ///
-    /// `errors_of` gives position (m) and rotation error (rad) of joint values against the target, `position_of` the
-    /// tool point (m) in the frame of the rules.
-    ///
-    /// A branch that lies between two of 48 samples of the free joint's range may be missed, if it is no part of one that
-    /// goes on.
+    /// A curve of solutions that lies between two of 48 samples of the free joint's range may be missed.
     ///
     /// # Errors
-    /// Where there is none at any sample: what is said at the value nearest to the seed's at which there are
-    /// solutions, else at the seed's own.
-    pub fn nearest<const N: usize>(
+    /// [`IkError::NotFinite`] for such a seed, and those of [`Target::validate_as`]; where no sample has an allowed solution, which limit or rule one of them
+    /// breaks, else what is said at the sample nearest to the seed.
+    pub fn nearest<const N: usize, A, F>(
         &self,
-        at: impl FnMut(S) -> Result<Solutions<N, S>, IkError<S>>,
+        arm: Arm<A, F>,
         position_of: impl Fn(&[S; N]) -> [S; 3],
-        errors_of: impl Fn(&[S; N]) -> (S, S),
+        target: &Target<S>,
         seed: &[S; N],
-    ) -> Result<Solution<N, S>, IkError<S>> {
+    ) -> Result<Solution<N, S>, IkError<S>>
+    where
+        A: FnMut(S) -> Result<Solutions<N, S>, IkError<S>>,
+        F: Fn(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+    {
         if !seed.iter().all(|value| value.is_finite()) {
             return Err(IkError::NotFinite);
         }
-        let (position_error, rotation_error) = errors_of(seed);
+        let Arm { at, state } = arm;
+        let target = target.validate_as(TargetKind::Pose)?;
+        let Target::Pose(pose) = &target else {
+            return Err(IkError::WrongTarget { expected: TargetKind::Pose });
+        };
+        let (position_error, rotation_error) = target.errors(&state(seed).0);
         let exact = S::from_f64(EXACT) * S::EPSILON;
-        if position_error <= exact * self.reach
-            && rotation_error <= exact
-            && self.rules.check(seed, position_of(seed)).is_ok()
-        {
+        // Where the tool is at the pose, so is the point that rules ask for.
+        let forbidden = self.rules.broken_workspace(position_of(seed));
+        let hits = position_error <= exact * self.reach && rotation_error <= exact;
+        if hits && forbidden.is_none() && self.rules.allow_joints(seed) {
             return Ok(Solution { q: *seed, position_error, rotation_error, free: None });
         }
-        let mut search = Nearest { redundancy: self, seed, at, position_of, best: None, refusal: None };
-        search.run();
+        let per_reach = if self.reach > S::ZERO { S::ONE / self.reach } else { S::ONE };
+        let dof = self.rules.joints.len();
+        let curve = Curve { pose, per_reach, dof, state, seed };
+        let mut search = Nearest {
+            joint: self.joint,
+            rules: self.rules,
+            curve,
+            target,
+            best: None,
+            bottoms: [None; BOTTOMS],
+            returned: false,
+            refusal: None,
+        };
+        let own = seed.get(self.joint).copied().unwrap_or(S::ZERO);
+        search.run(own, self.range(own), at, &position_of);
         match (search.best, search.refusal) {
-            (Some((solution, _)), _) => Ok(solution),
+            (Some((solution, _)), _) => match self.rules.broken_workspace(position_of(&solution.q)) {
+                Some(rule) => Err(IkError::Forbidden { rule }),
+                None => Ok(solution),
+            },
             (None, Some(error)) => Err(error),
             (None, None) => Err(IkError::NotFinite),
         }
     }
 }
 
-/// A seed counts as a solution up to this many machine epsilons (of the reach, and rad).
-const EXACT: f64 = 256.0;
-
-impl<const N: usize, S, A, P> Nearest<'_, N, S, A, P>
+impl<const N: usize, S, F> Nearest<'_, N, S, F>
 where
     S: Float,
-    A: FnMut(S) -> Result<Solutions<N, S>, IkError<S>>,
-    P: Fn(&[S; N]) -> [S; 3],
+    F: Fn(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
 {
-    fn run(&mut self) {
-        let own = self.seed.get(self.redundancy.joint).copied().unwrap_or(S::ZERO);
-        let range = self.redundancy.range(own);
-        let start = range.max.min(range.min.max(own));
-        let middle = self.sample(start);
-        let most = range.width() / S::from_f64(SAMPLES);
-        // Within the distance of what is known already; at least one sample to each side.
-        let window = self.distance().min(range.width());
-        let (min, max) = (range.min.max(start - window), range.max.min(start + window));
-        let count = |width: S| (width / most).ceil().max(S::ONE);
-        let below = if start > min { count(start - min) } else { S::ZERO };
-        let above = if max > start { count(max - start) } else { S::ZERO };
-        // Outwards from the seed, so that what is found bounds what has to be looked at.
-        let side = |count: S, end: S| if count > S::ZERO { (end - start) / count } else { S::ZERO };
-        let steps = [(below, side(below, min)), (above, side(above, max))];
-        let [first, second] = steps.map(|(count, step)| (count > S::ZERO).then_some(step));
-        let next = [first, second].map(|step| step.map(|step| self.sample(start + step)));
-        let [before, after] = &next;
-        self.stretches(before.as_ref(), &middle, after.as_ref());
-        for ((count, step), next) in steps.into_iter().zip(next) {
-            let Some(next) = next else { continue };
-            let (mut inner, mut here) = (None, next);
-            let mut index = S::ONE;
-            while index < count && (here.value - own).abs() < self.distance() {
-                index += S::ONE;
-                let outer = self.sample(start + index * step);
-                self.stretches(Some(inner.as_ref().unwrap_or(&middle)), &here, Some(&outer));
-                inner = Some(here);
-                here = outer;
+    fn run(
+        &mut self,
+        own: S,
+        range: Range<S>,
+        mut at: impl FnMut(S) -> Result<Solutions<N, S>, IkError<S>>,
+        position_of: impl Fn(&[S; N]) -> [S; 3],
+    ) {
+        if let Some(bottom) = self.curve.nearest_point(self.curve.seed) {
+            self.bottom(self.curve.seed, &bottom, false);
+        }
+        let mut sample = |search: &mut Self, value: S, half: S| {
+            let solutions = match at(value) {
+                Ok(solutions) => solutions,
+                Err(error) => {
+                    search.refusal.get_or_insert(error);
+                    return 0;
+                }
+            };
+            if search.best.is_none() && !search.refusal.is_some_and(|known| is_of_rules(&known)) {
+                let allowed = solutions.clone().within(&search.rules, &position_of, None);
+                search.refusal = allowed.err().or(search.refusal);
             }
-            self.stretches(Some(inner.as_ref().unwrap_or(&middle)), &here, None);
+            solutions.iter().for_each(|solution| search.start(solution, half));
+            solutions.len()
+        };
+        let start = range.max.min(range.min.max(own));
+        let most = range.width() / S::from_f64(SAMPLES);
+        let half = S::ONE / S::TWO;
+        // A single sample where everything that counts is around it; more where that one does not know of what was
+        // found, since the free joint turns back near there.
+        let alone = self.distance() < most * half;
+        let mut step = if alone { S::TWO * self.distance() } else { most };
+        let first = sample(self, start, step * half);
+        if alone && !self.returned {
+            step = step / S::from_f64(FINER);
+        }
+        let mut counts = [first; 2];
+        let mut index = S::ZERO;
+        loop {
+            index += S::ONE;
+            let mut inside = false;
+            for (side, count) in [S::ONE, -S::ONE].into_iter().zip(&mut counts) {
+                let value = start + side * index * step;
+                // Whether the stretch around it is too far from the seed, or out of range.
+                let near = (value - own).abs() - step * half;
+                let beyond = value - step * half > range.max || value + step * half < range.min;
+                if near >= self.distance() || beyond {
+                    continue;
+                }
+                inside = true;
+                let value = range.max.min(range.min.max(value));
+                let before = core::mem::replace(count, sample(self, value, step * half));
+                if before == *count {
+                    continue;
+                }
+                // Branches end in between.
+                let finer = step / S::from_f64(FINER);
+                let mut between = finer;
+                while between < step {
+                    sample(self, value - side * between, finer * half);
+                    between += finer;
+                }
+            }
+            if !inside {
+                return;
+            }
         }
     }
 
@@ -165,167 +206,95 @@ where
         self.best.map_or(S::INFINITY, |(_, distance)| distance)
     }
 
-    /// What is allowed at a value of the free joint; the best is kept.
-    fn sample(&mut self, value: S) -> Sample<N, S> {
-        let mut sample = Sample { value, points: [None; MAX_SOLUTIONS] };
-        let rules = &self.redundancy.rules;
-        let found = (self.at)(value)
-            .and_then(|solutions| solutions.within(rules, &self.position_of, Some(self.seed)));
-        let solutions = match found {
-            Ok(solutions) => solutions,
-            Err(error) => {
-                let says_more = |error: &IkError<S>| {
-                    matches!(error, IkError::OutsideLimits { .. } | IkError::Forbidden { .. })
-                };
-                if self.refusal.is_none_or(|old| says_more(&error) && !says_more(&old)) {
-                    self.refusal = Some(error);
-                }
-                return sample;
-            }
+    /// A solution at a sample, on a stretch of a curve on which the free joint moves by `half` to either side.
+    fn start(&mut self, solution: &Solution<N, S>, half: S) {
+        let q = nearest_winding(&self.rules, &solution.q, self.curve.seed);
+        let distance = travel(&q, self.curve.seed).sqrt();
+        if distance < self.distance() && self.rules.allow_joints(&q) {
+            self.best = Some((Solution { q, ..*solution }, distance));
+        }
+        if distance - half - S::from_f64(TURNING) * half.sqrt() >= self.distance() {
+            return;
+        }
+        let local = self.curve.local(&q);
+        let share = local.tangent.get(self.joint).map_or(S::ONE, |x| x.abs());
+        let length = (half / share).min(half + S::from_f64(TURNING) * half.sqrt());
+        if distance - S::from_f64(BENT) * length >= self.distance() {
+            return;
+        }
+        if self.leads_back(&q, &local.tangent) {
+            self.returned = true;
+        } else if let Some(bottom) = self.curve.nearest_point(&q) {
+            self.bottom(&q, &bottom, true);
+        }
+    }
+
+    /// Whether the way from here leads to a bottom that is known: it lies ahead on the tangent, downhill, and no farther
+    /// than the slope says.
+    fn leads_back(&self, q: &[S; N], tangent: &[S; N]) -> bool {
+        let onto = |a: &[S; N], b: &[S; N]| {
+            a.iter().zip(b).zip(tangent).fold(S::ZERO, |sum, ((a, b), t)| sum + (*a - *b) * *t)
         };
-        for (slot, solution) in sample.points.iter_mut().zip(&solutions) {
-            let distance = travel(&solution.q, self.seed).sqrt();
-            if distance < self.distance() {
-                self.best = Some((*solution, distance));
-            }
-            *slot = Some(Point { value, q: solution.q, distance });
-        }
-        sample
+        let downhill = onto(self.curve.seed, q);
+        self.bottoms.iter().flatten().any(|bottom| {
+            let (square, along) = (travel(bottom, q), onto(bottom, q));
+            let ahead = along * downhill >= S::ZERO && along.abs() <= S::from_f64(SLOWEST) * downhill.abs();
+            // At most 20 degrees off.
+            ahead
+                && square <= S::from_f64(SAME_STRETCH * SAME_STRETCH)
+                && along * along >= S::from_f64(0.88) * square
+        })
     }
 
-    /// The branches at a sample, between those before and after it.
-    fn stretches(
-        &mut self,
-        before: Option<&Sample<N, S>>,
-        here: &Sample<N, S>,
-        after: Option<&Sample<N, S>>,
-    ) {
-        for point in here.points() {
-            let [left, right] =
-                [before, after].map(|side| side.and_then(|side| side.follow(here, point)).copied());
-            if let (Some(left), Some(right)) = (left, right) {
-                self.stretch(&left, point, &right, 0);
-            } else {
-                for other in [left, right].into_iter().flatten() {
-                    self.halves(point, &other, 0);
-                }
+    /// The bottom of the curve downhill from somewhere; where it isn't allowed, the ends of what is.
+    fn bottom(&mut self, from: &[S; N], bottom: &[S; N], on_curve: bool) {
+        if self.consider(bottom) {
+            if self.bottoms.iter().flatten().any(|known| travel(known, bottom).sqrt() <= S::SQRT_EPSILON) {
+                self.returned = true;
+            } else if let Some(slot) = self.bottoms.iter_mut().find(|slot| slot.is_none()) {
+                *slot = Some(*bottom);
             }
-            for (side, matched) in [(before, left), (after, right)] {
-                if let (Some(side), None) = (side, matched) {
-                    self.end(point, side.value);
-                }
-            }
-        }
-    }
-
-    /// Whether a stretch between two points may come nearer than what is known.
-    fn may_improve(&self, a: &Point<N, S>, b: &Point<N, S>) -> bool {
-        let length = S::from_f64(BENT) * travel(&a.q, &b.q).sqrt();
-        (a.distance + b.distance - length) / S::TWO < self.distance()
-    }
-
-    /// A stretch between two points, cut in two.
-    fn halves(&mut self, a: &Point<N, S>, b: &Point<N, S>, depth: u32) {
-        if !self.may_improve(a, b) {
             return;
         }
-        let value = (a.value + b.value) / S::TWO;
-        let sample = self.sample(value);
-        if let Some(middle) = sample.nearest(&between(a, b)) {
-            self.stretch(a, middle, b, depth);
-        }
-    }
-
-    /// A stretch of a branch, given by three of its points.
-    fn stretch(&mut self, a: &Point<N, S>, middle: &Point<N, S>, b: &Point<N, S>, depth: u32) {
-        if !(self.may_improve(a, middle) || self.may_improve(middle, b)) {
+        if travel(bottom, self.curve.seed).sqrt() >= self.distance() {
             return;
         }
-        let length = |a: &Point<N, S>, b: &Point<N, S>| travel(&a.q, &b.q).sqrt();
-        let longest = length(a, middle).max(length(middle, b));
-        if longest > S::from_f64(TAME) && depth < DEPTH {
-            self.halves(a, middle, depth + 1);
-            self.halves(middle, b, depth + 1);
-            return;
+        let points = [Some(bottom), on_curve.then_some(from)];
+        let rules = self.rules;
+        for (joint, limits) in rules.joints.iter().enumerate().filter_map(|(i, j)| Some((i, j.limits?))) {
+            let value = |q: &[S; N]| q.get(joint).copied().unwrap_or(S::ZERO);
+            self.ends(points, value, &limits);
         }
-        self.parabolas(*a, *middle, *b);
+        for sum in rules.sums {
+            self.ends(points, |q: &[S; N]| sum.value(q), &sum.range);
+        }
     }
 
-    /// Refines a minimum between three points of one branch.
-    fn parabolas(&mut self, a: Point<N, S>, middle: Point<N, S>, b: Point<N, S>) {
-        let (mut a, mut middle, mut b) = (a, middle, b);
-        let square = |point: &Point<N, S>| point.distance * point.distance;
-        for _ in 0..PARABOLAS {
-            let (left, right) = (middle.value - a.value, b.value - middle.value);
-            let (down, up) = (square(&middle) - square(&a), square(&b) - square(&middle));
-            // Slopes of the two chords; their mean over the second difference leads to the vertex.
-            let (slope_left, slope_right) = (down / left, up / right);
-            let bend = (slope_right - slope_left) / (left + right);
-            let slope = slope_left + bend * left;
-            let mut step = -slope / (S::TWO * bend);
-            let (least, most) = (a.value - middle.value, b.value - middle.value);
-            let (least, most) = (least.min(most), most.max(least));
-            let lowest = square(&middle) <= square(&a).min(square(&b));
-            let inside = bend > S::ZERO && step > least && step < most;
-            if !inside {
-                if !lowest {
-                    return;
+    /// Where a limit that one of two points breaks begins to hold, from either.
+    fn ends(&mut self, points: [Option<&[S; N]>; 2], value: impl Fn(&[S; N]) -> S, limits: &Limits<S>) {
+        for outside in points.into_iter().flatten().map(&value).filter(|own| !limits.contains(*own)) {
+            for start in points.into_iter().flatten() {
+                if let Some(end) = self.curve.crossing(start, &value, limits.clamp(outside)) {
+                    self.consider(&end);
                 }
-                step = if most > -least { most / S::TWO } else { least / S::TWO };
-            }
-            // Rounding of the square of the distance hides smaller steps.
-            let hidden = S::from_f64(4.0) * (middle.distance * S::EPSILON).sqrt();
-            if step.abs() <= hidden.max(S::EPSILON) {
-                return;
-            }
-            let value = middle.value + step;
-            let guess = if (step > S::ZERO) == (b.value > middle.value) {
-                between(&middle, &b)
-            } else {
-                between(&a, &middle)
-            };
-            let sample = self.sample(value);
-            let Some(new) = sample.nearest(&guess).copied() else { return };
-            // Keep the three that enclose the lowest.
-            let towards_b = (value > middle.value) == (b.value > middle.value);
-            match (square(&new) <= square(&middle), towards_b) {
-                (true, true) => (a, middle) = (middle, new),
-                (true, false) => (b, middle) = (middle, new),
-                (false, true) => b = new,
-                (false, false) => a = new,
             }
         }
     }
 
-    /// A branch that is there at a point and no more at a value: the stretches up to its end.
-    fn end(&mut self, point: &Point<N, S>, gone: S) {
-        let (mut inside, mut outside) = (*point, gone);
-        for _ in 0..BISECTIONS {
-            if inside.distance - S::from_f64(LAST_STRETCH) > self.distance()
-                || (outside - inside.value).abs() <= S::EPSILON * S::from_f64(16.0)
-            {
-                return;
-            }
-            let value = (inside.value + outside) / S::TWO;
-            let sample = self.sample(value);
-            let limit = S::from_f64(LAST_STRETCH);
-            let next = sample.nearest(&inside.q).filter(|next| travel(&next.q, &inside.q) < limit * limit);
-            match next.copied() {
-                Some(next) => {
-                    self.halves(&inside, &next, 0);
-                    inside = next;
-                }
-                None => outside = value,
-            }
+    /// Takes joint values on the curve for the best where they are; whether they are allowed.
+    fn consider(&mut self, q: &[S; N]) -> bool {
+        if !self.rules.allow_joints(q) {
+            return false;
         }
+        let distance = travel(q, self.curve.seed).sqrt();
+        if distance < self.distance() {
+            let (position_error, rotation_error) = self.target.errors(&(self.curve.state)(q).0);
+            let tolerance = crate::residual_tolerance::<S>();
+            if position_error * self.curve.per_reach > tolerance || rotation_error > tolerance {
+                return false;
+            }
+            self.best = Some((Solution { q: *q, position_error, rotation_error, free: None }, distance));
+        }
+        true
     }
-}
-
-/// Halfway between two points.
-fn between<const N: usize, S: Float>(a: &Point<N, S>, b: &Point<N, S>) -> [S; N] {
-    let mut q = a.q;
-    for (value, other) in q.iter_mut().zip(&b.q) {
-        *value = (*value + *other) / S::TWO;
-    }
-    q
 }

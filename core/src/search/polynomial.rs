@@ -1,5 +1,6 @@
 //! Equations in one unknown and its square.
 
+use super::roots::Root;
 use super::{DOUBLE_ROOT, Roots, Scale, Search};
 use crate::{Float, IkError, Step};
 
@@ -16,6 +17,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     /// Numerical Recipes, §5.6\]; the discriminant as a product of sum and difference of b/2 and sqrt(a c).
     pub fn quadratic(&mut self, step: Step, a: S, b: S, c: S) -> Roots<S> {
         let scale = self.begin(step);
+        self.doubtful = true;
         // In units of the reach: every term has the dimension and the size of the equation then.
         let unit = self.unit(step);
         let (a, half, c) = (a * unit * unit, b * unit / S::TWO, c);
@@ -36,15 +38,15 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             return self.fail_step(step, -inside / scale.size, IkError::Unreachable { step, excess });
         }
         if inside <= S::from_f64(DOUBLE_ROOT) * S::EPSILON * scale.size.max(size * size / a.abs()) {
-            return Roots::one(-half / a * unit);
+            return Roots::one(Root::Value(-half / a * unit));
         }
         let root = (inside * a.abs()).sqrt();
         let greater = if half < S::ZERO { size + root } else { -(size + root) };
         let (first, second) = (greater / a * unit, c / greater * unit);
         match (first.is_finite(), second.is_finite()) {
-            (true, true) => Roots::two(first, second),
-            (true, false) => Roots::one(first),
-            (false, true) => Roots::one(second),
+            (true, true) => Roots::two(Root::Value(first), Root::Value(second)),
+            (true, false) => Roots::one(Root::Value(first)),
+            (false, true) => Roots::one(Root::Value(second)),
             (false, false) => self.not_finite(step),
         }
     }
@@ -58,7 +60,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             return self.degenerate(step, c.abs(), scale);
         }
         let root = c / a * self.unit(step);
-        if root.is_finite() { Roots::one(root) } else { self.not_finite(step) }
+        if root.is_finite() { Roots::one(Root::Value(root)) } else { self.not_finite(step) }
     }
 
     /// The size of the unknown: the reach (m), or 1 rad.

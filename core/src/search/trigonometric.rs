@@ -1,5 +1,6 @@
 //! Equations in the cosine and sine of one angle.
 
+use super::roots::Root;
 use super::{DOUBLE_ROOT, Roots, Scale, Search};
 use crate::{Float, IkError, Step};
 
@@ -13,17 +14,83 @@ const UNRELIABLE: f64 = 1e-3;
 /// however wrong that size: its rounding is the same in both.)
 const WEAK: f64 = 0.125;
 
+/// From here on r² = h² - c², in units of h², is as good as (h - c)(h + c).
+const WELL_INSIDE: f64 = 1.0 / 64.0;
+
+/// A root is one of two that part clearly where the square of the sine of half their distance is more than this many
+/// machine epsilons: 5e-7 rad in f64, three times what counts as the same solution.
+const CLEAR: f64 = 1024.0;
+
+/// Two rows are well-conditioned where the square of their determinant is more than this, in units of the fourth power of
+/// the larger one: no digit but the last two is lost then.
+const INDEPENDENT: f64 = 1e-4;
+
+/// Cosine and sine from two well-conditioned rows are taken as they come if the sum of their squares is this many
+/// machine epsilons from 1.
+const CONSISTENT: f64 = 4096.0;
+
 impl<const N: usize, S: Float> Search<'_, N, S> {
     /// The angles x (rad) with a cos x + b sin x = c: two, or one at the edge of the domain.
     ///
-    /// With (a, b) = h (cos phi, sin phi) this is cos(x - phi) = c / h. The angle comes from sqrt((h - c)(h + c)) and c,
-    /// which keeps its digits next to the edge, where an arc cosine would lose half of them.
+    /// With h² = a² + b² and r = sqrt(h² - c²) the roots are (a c ∓ b r, b c ± a r) / h² as cosine and sine. Next to the
+    /// edge, where r loses half of its digits, it is (h - c)(h + c).
+    #[inline]
     pub fn trig(&mut self, step: Step, a: S, b: S, c: S) -> Roots<S> {
         let scale = self.begin(step);
-        self.solve_trig(step, [a, b, c], &scale)
+        let square = a * a + b * b;
+        let rest = square - c * c;
+        if rest > S::from_f64(WELL_INSIDE) * square && square > scale.tolerance * scale.tolerance {
+            return both(a, b, c, rest.sqrt(), S::ONE / square);
+        }
+        self.trig_at_edge(step, [a, b, c], &scale)
     }
 
-    fn solve_trig(&mut self, step: Step, [a, b, c]: [S; 3], scale: &Scale<S>) -> Roots<S> {
+    /// The angles x (rad) with a cos x + b sin x = c, where a² + b² is 1 and c is a coordinate of a unit vector whose
+    /// other two are d and e: then a sin x - b cos x is ±sqrt(d² + e²), which keeps its digits where c is next to 1 or -1.
+    #[inline]
+    pub fn trig_unit(&mut self, step: Step, [a, b, c]: [S; 3], [d, e]: [S; 2]) -> Roots<S> {
+        let scale = self.begin(step);
+        let rest = d * d + e * e;
+        let off = rest + c * c - S::ONE;
+        if rest > S::from_f64(CLEAR) * S::EPSILON && off.abs() <= S::from_f64(CONSISTENT) * S::EPSILON {
+            // A step of Newton's method for 1 / sqrt(1 + off).
+            let unit = S::ONE - off / S::TWO;
+            return both(a, b, c * unit, rest.sqrt() * unit, S::ONE);
+        }
+        self.trig_at_pole(step, [a, b, c], rest.sqrt(), &scale)
+    }
+
+    /// The angle x (rad) with a1 cos x + b1 sin x = c1 and a2 cos x + b2 sin x = c2.
+    ///
+    /// Cosine and sine come from the two rows as linear equations. Where these are ill-conditioned, each row is divided by
+    /// its size, and one step of Gauss-Newton on the rows as they are gives the larger row, which knows the angle better,
+    /// its greater weight. Rows that are parallel, or of which one vanishes, are solved as one row, which may have two
+    /// roots.
+    #[inline]
+    pub fn trig_pair(&mut self, step: Step, first: [S; 3], second: [S; 3]) -> Roots<S> {
+        let scale = self.begin(step);
+        let ([a1, b1, c1], [a2, b2, c2]) = (first, second);
+        let determinant = a1 * b2 - a2 * b1;
+        let (h1, h2) = (a1 * a1 + b1 * b1, a2 * a2 + b2 * b2);
+        let h = if h1 > h2 { h1 } else { h2 };
+        if determinant * determinant > S::from_f64(INDEPENDENT) * h * h
+            && h > scale.tolerance * scale.tolerance
+        {
+            let inverse = S::ONE / determinant;
+            let (cos, sin) = ((c1 * b2 - c2 * b1) * inverse, (a1 * c2 - a2 * c1) * inverse);
+            let off = cos * cos + sin * sin - S::ONE;
+            if off.abs() <= S::from_f64(CONSISTENT) * S::EPSILON {
+                let unit = S::ONE - off / S::TWO;
+                return Roots::one(Root::Angle { sin: sin * unit, cos: cos * unit });
+            }
+        }
+        self.trig_pair_with_care(step, first, second, &scale)
+    }
+
+    /// [`Search::trig`] where its fast way doesn't apply.
+    #[cold]
+    #[inline(never)]
+    fn trig_at_edge(&mut self, step: Step, [a, b, c]: [S; 3], scale: &Scale<S>) -> Roots<S> {
         let h = size(a, b);
         if !(h.is_finite() && c.is_finite()) {
             return self.not_finite(step);
@@ -35,21 +102,48 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         if excess > scale.tolerance {
             return self.unreachable(step, excess, h, scale);
         }
-        let phi = b.atan2(a);
+        let (a, b) = (a / h, b / h);
+        let rest = (h - c) * (h + c);
+        self.doubtful |= rest <= S::from_f64(CLEAR) * S::EPSILON * h * h || h <= scale.tolerance;
         if excess >= -(S::from_f64(DOUBLE_ROOT) * S::EPSILON * scale.size.max(h)) {
-            return Roots::one(if c < S::ZERO { phi + S::PI } else { phi });
+            let (cos, sin) = if c < S::ZERO { (-a, -b) } else { (a, b) };
+            return Roots::one(Root::Angle { sin, cos });
         }
-        let half = ((h - c) * (h + c)).sqrt().atan2(c);
-        Roots::two(phi + half, phi - half)
+        both(a, b, c / h, rest.sqrt() / h, S::ONE)
     }
 
-    /// The angle x (rad) with a1 cos x + b1 sin x = c1 and a2 cos x + b2 sin x = c2.
-    ///
-    /// Cosine and sine come from the two rows as linear equations, each row divided by its size; then one step of
-    /// Gauss-Newton on the rows as they are gives the larger row, which knows the angle better, its greater weight.
-    /// Rows that are parallel, or of which one vanishes, are solved as one row, which may have two roots.
-    pub fn trig_pair(&mut self, step: Step, first: [S; 3], second: [S; 3]) -> Roots<S> {
-        let scale = self.begin(step);
+    /// [`Search::trig_unit`] where its fast way doesn't apply; `rest` is the square root.
+    #[cold]
+    #[inline(never)]
+    fn trig_at_pole(&mut self, step: Step, [a, b, c]: [S; 3], rest: S, scale: &Scale<S>) -> Roots<S> {
+        self.doubtful = true;
+        let length = size(c, rest);
+        if !length.is_finite() {
+            return self.not_finite(step);
+        }
+        // A unit vector that isn't one comes of earlier steps that left their domain by as much.
+        let excess = c.abs() - S::ONE;
+        if excess > scale.tolerance || length <= scale.tolerance {
+            return self.unreachable(step, excess.max(S::ONE - length), S::ONE, scale);
+        }
+        if rest <= scale.vanishing {
+            let (cos, sin) = if c < S::ZERO { (-a, -b) } else { (a, b) };
+            return Roots::one(Root::Angle { sin, cos });
+        }
+        both(a, b, c / length, rest / length, S::ONE)
+    }
+
+    /// [`Search::trig_pair`] where its fast way doesn't apply.
+    #[cold]
+    #[inline(never)]
+    fn trig_pair_with_care(
+        &mut self,
+        step: Step,
+        first: [S; 3],
+        second: [S; 3],
+        scale: &Scale<S>,
+    ) -> Roots<S> {
+        self.doubtful = true;
         let ([a1, b1, c1], [a2, b2, c2]) = (first, second);
         let (h1, h2) = (size(a1, b1), size(a2, b2));
         let gap = size(c1, c2);
@@ -61,19 +155,19 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         // Coefficients that are themselves the root of a rounding error (the sine of a wrist angle next to 0) are 0 if
         // the right-hand sides, which are known to the last digits, are.
         if h <= scale.vanishing || (h <= scale.tolerance && gap <= scale.vanishing) {
-            return self.degenerate(step, gap, &scale);
+            return self.degenerate(step, gap, scale);
         }
         if h_small <= scale.vanishing {
             let [_, _, c] = smaller;
             if c.abs() > scale.tolerance {
-                return self.singular(step, c.abs(), &scale);
+                return self.singular(step, c.abs(), scale);
             }
-            return self.solve_trig(step, larger, &scale);
+            return self.trig_at_edge(step, larger, scale);
         }
         let ([a1, b1, c1], [a2, b2, c2]) = ([a1 / h1, b1 / h1, c1 / h1], [a2 / h2, b2 / h2, c2 / h2]);
         let determinant = a1 * b2 - a2 * b1;
         if determinant.abs() <= S::from_f64(PARALLEL) * S::SQRT_EPSILON {
-            return self.solve_trig(step, larger, &scale);
+            return self.trig_at_edge(step, larger, scale);
         }
         let cosine = (c1 * b2 - c2 * b1) / determinant;
         let sine = (a1 * c2 - a2 * c1) / determinant;
@@ -83,16 +177,23 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let rest = h_small * determinant.abs();
         // What small errors of the right-hand sides can make of cosine and sine.
         if off > scale.tolerance / rest {
-            return self.unreachable(step, off * h, h, &scale);
+            return self.unreachable(step, off * h, h, scale);
         }
         if off > S::from_f64(UNRELIABLE) && rest <= scale.tolerance && rest < S::from_f64(WEAK) * h {
-            return self.solve_trig(step, larger, &scale);
+            return self.trig_at_edge(step, larger, scale);
         }
         if length <= S::ZERO {
-            return self.degenerate(step, gap, &scale);
+            return self.degenerate(step, gap, scale);
         }
-        let angle = sine.atan2(cosine);
-        Roots::one(angle + gauss_newton(first, second, cosine / length, sine / length))
+        let (cosine, sine) = (cosine / length, sine / length);
+        let change = gauss_newton(first, second, cosine, sine);
+        if h <= scale.tolerance {
+            // Rounding of the right-hand sides, over the size of the rows.
+            let uncertainty = (scale.vanishing / h).min(S::PI);
+            return Roots::about(step, sine.atan2(cosine) + change, uncertainty, self.accepted);
+        }
+        let (sin, cos) = change.sin_cos();
+        Roots::one(Root::Angle { sin: sine * cos + cosine * sin, cos: cosine * cos - sine * sin })
     }
 
     /// `excess` is in the dimension of the equation, whose coefficients have size `h`.
@@ -107,6 +208,17 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
 /// beside the scale of the equation anyway.
 fn size<S: Float>(a: S, b: S) -> S {
     (a * a + b * b).sqrt()
+}
+
+/// The angles whose cosine and sine are (a c ∓ b r, b c ± a r) times `factor`.
+#[inline]
+fn both<S: Float>(a: S, b: S, c: S, r: S, factor: S) -> Roots<S> {
+    let (along, across) = (a * c * factor, b * c * factor);
+    let (turned, back) = (b * r * factor, a * r * factor);
+    Roots::two(
+        Root::Angle { sin: across + back, cos: along - turned },
+        Root::Angle { sin: across - back, cos: along + turned },
+    )
 }
 
 /// The change of angle that brings both rows nearest to their right-hand sides, from an angle given by cosine and sine.

@@ -70,7 +70,7 @@ pub(crate) fn every_target() -> (Model, Plan) {
             inputs: inputs.len(),
             free: free.to_vec(),
             values: inputs.iter().map(|name| (*name).to_owned()).collect(),
-            steps: vec![Step::Accept { q }],
+            steps: vec![accept(q)],
             outputs: Vec::new(),
             counts: Counts::default(),
             stages: Vec::new(),
@@ -79,6 +79,11 @@ pub(crate) fn every_target() -> (Model, Plan) {
     every.for_each(|(problem, target)| add(problem, target.input_names(), &[]));
     add(Some(kinds.len()), &["px", "py", "q2"], &[1]);
     (model, plan)
+}
+
+/// A candidate that forward kinematics judges.
+fn accept(q: Vec<Scalar>) -> Step {
+    Step::Accept { q, tool: Vec::new(), polish: false }
 }
 
 /// theta2 from the distance, then theta1 from both rows of the position.
@@ -96,11 +101,12 @@ fn planar_inverse(problem: usize, a1: &Scalar, a2: &Scalar) -> Function {
         Step::Solve {
             stage: 1,
             root: theta1,
+            sin_cos: None,
             equation: Equation::TrigPair {
                 first: [v(k1), Scalar::Neg(Box::new(v(k2))), v(px)],
                 second: [v(k2), v(k1), v(py)],
             },
-            body: vec![Step::Accept { q: vec![v(theta1), v(theta2)] }],
+            body: vec![accept(vec![v(theta1), v(theta2)])],
         },
     ];
     let trig = Equation::Trig {
@@ -113,7 +119,7 @@ fn planar_inverse(problem: usize, a1: &Scalar, a2: &Scalar) -> Function {
         values: values.map(str::to_owned).to_vec(),
         inputs: 2,
         free: Vec::new(),
-        steps: vec![Step::Solve { stage: 0, root: theta2, equation: trig, body }],
+        steps: vec![Step::Solve { stage: 0, root: theta2, sin_cos: None, equation: trig, body }],
         outputs: Vec::new(),
         counts: Counts { mul: 8, add: 4, sincos: 1, angle_add: 0 },
         stages: vec![
@@ -148,8 +154,9 @@ fn polar_inverse(a2: Scalar) -> Function {
         Step::Solve {
             stage: 1,
             root: d2,
+            sin_cos: None,
             equation: Equation::Linear { a: Scalar::Number(1.0), c: along },
-            body: vec![Step::Accept { q: vec![q1, v(d2)] }],
+            body: vec![accept(vec![q1, v(d2)])],
         },
     ];
     Function {
@@ -160,6 +167,7 @@ fn polar_inverse(a2: Scalar) -> Function {
         steps: vec![Step::Solve {
             stage: 0,
             root: theta1,
+            sin_cos: None,
             equation: Equation::Trig { a: v(px), b: v(py), c: a2 },
             body,
         }],

@@ -676,7 +676,8 @@ impl EveryTarget {
     }
 
     /// The joint that `ik_at_given` leaves to the caller: J2 (rad).
-    pub const REDUNDANCY_GIVEN: Redundancy<'static, f32> = Redundancy::new(1, Self::RULES, REACH);
+    pub const REDUNDANCY_GIVEN: Redundancy<'static, f32> =
+        Redundancy::of_problem(1, Self::RULES, REACH);
 
     /// [`Self::ik_at_given`] at 16 values of J2 (rad), spread evenly over its limits (over the
     /// whole turn where these leave it): every geometric solution of the table's problem `given`,
@@ -701,28 +702,6 @@ impl EveryTarget {
         let target = &Target::Xy(*position);
         let at = |free| solve_given(target, &[free]);
         Self::REDUNDANCY_GIVEN.intervals(at, tool_point, out)
-    }
-
-    /// The solution of the table's problem `given` that is nearest to `seed` (rad) of all that
-    /// limits and rules allow, whatever J2 (rad): the least root of the sum of squared joint
-    /// travels. A seed that is a solution itself is returned.
-    ///
-    /// `position`: x and y of the tool point in the base frame (m).
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::ik_at_given`]; where there are solutions, but none is allowed, which limit or
-    /// rule one of them breaks.
-    pub fn ik_nearest_given(
-        &self,
-        position: &[f32; 2],
-        seed: &[f32; 2],
-    ) -> Result<Solution<2, f32>, IkError<f32>> {
-        let target = &Target::Xy(*position);
-        let target = &target.validate()?;
-        let at = |free| solve_given(target, &[free]);
-        let errors = |q: &[f32; 2]| target.errors(&forward_kinematics(q));
-        Self::REDUNDANCY_GIVEN.nearest(at, tool_point, errors, seed)
     }
 
     /// This arm with another frame at its tool: the pose (m) of the tool point in the table's tool

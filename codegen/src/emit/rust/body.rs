@@ -18,6 +18,14 @@ pub(super) struct Body<'a> {
     pub(super) chain: &'a str,
 }
 
+/// What an inverse function comes to.
+pub(super) struct Candidate<'a> {
+    pub(super) q: &'a [Scalar],
+    /// The tool frame there, if it is computed.
+    pub(super) tool: &'a [Scalar],
+    pub(super) polish: bool,
+}
+
 /// Identifiers of a function: its values and its stages.
 pub(super) struct Locals {
     pub(super) values: Vec<String>,
@@ -43,7 +51,7 @@ impl Locals {
 
 impl Body<'_> {
     /// Statements for `steps`; `accept` prints what is done with a candidate.
-    pub(super) fn steps(&self, text: &mut Text, steps: &[Step], accept: &dyn Fn(&mut Text, &[Scalar])) {
+    pub(super) fn steps(&self, text: &mut Text, steps: &[Step], accept: &dyn Fn(&mut Text, &Candidate<'_>)) {
         for step in steps {
             match step {
                 Step::Let { name, value } if self.live.value(*name) => {
@@ -57,18 +65,25 @@ impl Body<'_> {
                     text.laid_out(&statement(text.indent(), &head, &call, ";"));
                 }
                 Step::Let { .. } | Step::SinCos { .. } => {}
-                Step::Solve { stage, root, equation, body } => {
+                Step::Solve { stage, root, sin_cos, equation, body } => {
                     text.gap();
                     if let Some(stage) = self.function.stages.get(*stage) {
                         explain(text, stage);
                     }
                     let call = self.kernel(*stage, equation);
                     text.laid_out(&statement(text.indent(), "let mut roots =", &call, ";"));
-                    text.line(format!(
-                        "while let {}({}) = search.next(&mut roots) {{",
-                        self.leaves.paths.prelude("Some"),
-                        self.name(*root)
-                    ));
+                    let (found, next) = match (equation, sin_cos) {
+                        (Equation::Linear { .. } | Equation::Quadratic { .. }, _) => {
+                            (self.name(*root).to_owned(), "next")
+                        }
+                        (_, Some([sin, cos])) => {
+                            let names = [*root, *sin, *cos].map(|id| self.name(id));
+                            (format!("({})", names.join(", ")), "next_angle")
+                        }
+                        (_, None) => (format!("({}, _, _)", self.name(*root)), "next_angle"),
+                    };
+                    let some = self.leaves.paths.prelude("Some");
+                    text.line(format!("while let {some}({found}) = search.{next}(&mut roots) {{"));
                     let mut nested = Text::indented(text.indent() / 4 + 1);
                     self.steps(&mut nested, body, accept);
                     text.append(&nested.into_string());
@@ -97,7 +112,7 @@ impl Body<'_> {
                     text.append(&nested.into_string());
                     text.line("}");
                 }
-                Step::Accept { q } => accept(text, q),
+                Step::Accept { q, tool, polish } => accept(text, &Candidate { q, tool, polish: *polish }),
             }
         }
     }
@@ -108,11 +123,12 @@ impl Body<'_> {
         let scalars = coefficients(equation).into_iter().map(|scalar| self.leaves.expression(scalar));
         let method = match equation {
             Equation::Trig { .. } => "search.trig",
+            Equation::TrigUnit { .. } => "search.trig_unit",
             Equation::TrigPair { .. } => "search.trig_pair",
             Equation::Linear { .. } => "search.linear",
             Equation::Quadratic { .. } => "search.quadratic",
         };
-        if let Equation::TrigPair { .. } = equation {
+        if let Equation::TrigUnit { .. } | Equation::TrigPair { .. } = equation {
             let mut first: Vec<_> = scalars.collect();
             let second = first.split_off(first.len().min(3));
             arguments.extend([Expression::Array(first), Expression::Array(second)]);

@@ -145,7 +145,7 @@ impl<'a> Printer<'a> {
     }
 
     /// A frame from the rows of `[R | p]`.
-    fn frame(&self, rows: &[Expression]) -> Expression {
+    pub(super) fn frame(&self, rows: &[Expression]) -> Expression {
         let identity = ["1.0", "0.0", "0.0", "0.0", "0.0", "1.0", "0.0", "0.0", "0.0", "0.0", "1.0", "0.0"];
         if rows.iter().map(Expression::flat).eq(identity) {
             return Expression::Atom(format!("{}::IDENTITY", self.paths.runtime("Frame")));

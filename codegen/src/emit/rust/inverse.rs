@@ -1,7 +1,7 @@
 //! Inverse functions: the nested search.
 
 use super::Printer;
-use super::body::{Body, Locals};
+use super::body::{Body, Candidate, Locals};
 use super::layout::{Expression, statement};
 use super::names::function_suffix;
 use super::number::{self, number};
@@ -42,11 +42,17 @@ impl<'a> Printer<'a> {
             }
         }
         lines.gap();
-        let kind = format!("{}::{:?}", self.paths.runtime("TargetKind"), target_of(problem));
-        lines.line(format!("let target = target.validate_as({kind})?;"));
         let (numbers, free) = input_patterns(function, problem, &body);
+        let source = if polishes(&function.steps) {
+            lines.line("let pose = target.validate_pose()?;");
+            "pose.rows()"
+        } else {
+            let kind = format!("{}::{:?}", self.paths.runtime("TargetKind"), target_of(problem));
+            lines.line(format!("let target = target.validate_as({kind})?;"));
+            "target.numbers().array()"
+        };
         if let Some(numbers) = numbers {
-            lines.line(format!("let {numbers} = target.numbers().array();"));
+            lines.line(format!("let {numbers} = {source};"));
         }
         if let Some(free) = &free {
             lines.line(format!("let {free} = *free;"));
@@ -57,7 +63,9 @@ impl<'a> Printer<'a> {
             self.private("REACH"),
             self.private("WINDINGS")
         ));
-        body.steps(&mut lines, &function.steps, &|text, q| self.accept(text, q, problem, &body));
+        body.steps(&mut lines, &function.steps, &|text, candidate| {
+            self.accept(text, candidate, problem, &body)
+        });
         lines.line("search.finish()");
         let lines = lines.into_string();
 
@@ -132,11 +140,25 @@ impl<'a> Printer<'a> {
     }
 
     /// What is done with a candidate.
-    fn accept(&self, text: &mut Text, q: &[Scalar], problem: Option<&Problem>, body: &Body<'_>) {
-        let q = Expression::Array(q.iter().map(|value| body.leaves.expression(value)).collect());
+    fn accept(&self, text: &mut Text, candidate: &Candidate<'_>, problem: Option<&Problem>, body: &Body<'_>) {
+        let written = |scalars: &[Scalar]| -> Vec<Expression> {
+            scalars.iter().map(|value| body.leaves.expression(value)).collect()
+        };
+        let q = Expression::Array(written(candidate.q));
         text.gap();
         text.laid_out(&statement(text.indent(), "let q =", &q, ";"));
-        let tool = Expression::Atom("&forward_kinematics(&q)".to_owned());
+        let tool = if candidate.tool.is_empty() {
+            "&forward_kinematics(&q)"
+        } else {
+            let tool = self.frame(&written(candidate.tool));
+            text.laid_out(&statement(text.indent(), "let tool =", &tool, ";"));
+            "&tool"
+        };
+        if candidate.polish {
+            text.line(format!("search.accept_pose(q, {tool}, &pose, pose_and_jacobian);"));
+            return;
+        }
+        let tool = Expression::Atom(tool.to_owned());
         let errors = Expression::Call("target.errors".to_owned(), vec![tool]);
         let head = "let (position_error, rotation_error) =";
         text.laid_out(&statement(text.indent(), head, &errors, ";"));
@@ -226,6 +248,15 @@ impl Printer<'_> {
         let text = number(value.abs(), self.options.scalar, &self.paths);
         if value < 0.0 { Expression::Neg(Box::new(Expression::Atom(text))) } else { Expression::Atom(text) }
     }
+}
+
+/// Whether candidates are brought nearer to the pose.
+fn polishes(steps: &[Step]) -> bool {
+    steps.iter().any(|step| match step {
+        Step::Solve { body, .. } | Step::General { body, .. } => polishes(body),
+        Step::Accept { polish, .. } => *polish,
+        Step::Let { .. } | Step::SinCos { .. } => false,
+    })
 }
 
 /// The name of the private function that solves a problem.

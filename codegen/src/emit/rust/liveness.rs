@@ -54,7 +54,7 @@ impl Live {
                     self.mark_steps(body);
                     given.iter().for_each(|scalar| self.mark(scalar));
                 }
-                Step::Accept { q } => q.iter().for_each(|scalar| self.mark(scalar)),
+                Step::Accept { q, tool, .. } => q.iter().chain(tool).for_each(|scalar| self.mark(scalar)),
             }
         }
     }
@@ -85,6 +85,7 @@ impl Live {
 pub(super) fn coefficients(equation: &Equation) -> Vec<&Scalar> {
     match equation {
         Equation::Trig { a, b, c } | Equation::Quadratic { a, b, c } => vec![a, b, c],
+        Equation::TrigUnit { row, others } => row.iter().chain(others).collect(),
         Equation::TrigPair { first, second } => first.iter().chain(second).collect(),
         Equation::Linear { a, c } => vec![a, c],
     }

@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 
 /// What the printer itself calls things inside a generated function, and what it calls there.
-const OURS: [&str; 20] = [
+const OURS: [&str; 21] = [
     "q",
     "target",
     "search",
     "roots",
+    "pose",
     "tool",
     "columns",
     "frame",

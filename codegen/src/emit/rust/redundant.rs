@@ -7,6 +7,7 @@ use super::inverse_methods::Methods;
 use super::layout::{Expression, statement};
 use super::text::Text;
 use crate::model::Problem;
+use crate::plan::FunctionKind;
 use dh_core::SWEEP_SAMPLES;
 
 impl Printer<'_> {
@@ -16,7 +17,11 @@ impl Printer<'_> {
         self.redundancy_constant(text, methods, joint, &free);
         self.sweep(text, methods, &free);
         self.intervals(text, methods, &free);
-        self.nearest_of_all(text, methods, &free);
+        if methods.problem.is_none_or(Problem::is_whole_pose)
+            && self.find(&FunctionKind::FkJacobian).is_some()
+        {
+            self.nearest_of_all(text, methods, &free);
+        }
     }
 
     fn redundancy_constant(&self, text: &mut Text, methods: &Methods<'_>, joint: usize, free: &str) {
@@ -27,8 +32,9 @@ impl Printer<'_> {
             "The joint that `ik_at{}` leaves to the caller: {free}.",
             methods.suffix
         )]);
+        let kind = if methods.problem.is_none_or(Problem::is_whole_pose) { "of_pose" } else { "of_problem" };
         let parts = [joint.to_string(), "Self::RULES".to_owned(), self.private("REACH").to_owned()];
-        let value = Expression::Call(format!("{ty}::new"), parts.map(Expression::Atom).to_vec());
+        let value = Expression::Call(format!("{ty}::{kind}"), parts.map(Expression::Atom).to_vec());
         let head = format!("pub const {name}: {ty}<'static{}> =", self.scalar_argument(", "));
         text.laid_out(&statement(text.indent(), &head, &value, ";"));
     }
@@ -48,7 +54,7 @@ impl Printer<'_> {
         allow_case(text, suffix);
         let out = format!("out: &mut [{}]", self.sized_type("Solution"));
         text.signature(&format!("pub fn ik_sweep{suffix}"), &methods.parameters(Some(out)), "usize");
-        self.target_and_at(text, methods, false);
+        self.target_and_at(text, methods);
         text.line(format!("Self::{}.sweep(at, out)", constant_name(methods.problem)));
         text.close("}");
     }
@@ -69,7 +75,7 @@ impl Printer<'_> {
         allow_case(text, suffix);
         let out = format!("out: &mut [{limits}]");
         text.signature(&format!("pub fn ik_intervals{suffix}"), &methods.parameters(Some(out)), "usize");
-        self.target_and_at(text, methods, false);
+        self.target_and_at(text, methods);
         text.line(format!("Self::{}.intervals(at, tool_point, out)", constant_name(methods.problem)));
         text.close("}");
     }
@@ -100,21 +106,16 @@ impl Printer<'_> {
             self.runtime_type("IkError")
         );
         text.signature(&format!("pub fn ik_nearest{suffix}"), &methods.parameters(Some(seed)), &result);
-        self.target_and_at(text, methods, true);
-        text.line(format!(
-            "let errors = |q: &{}| target.errors(&forward_kinematics(q));",
-            self.joints_type()
-        ));
-        text.line(format!("Self::{}.nearest(at, tool_point, errors, seed)", constant_name(methods.problem)));
+        self.target_and_at(text, methods);
+        let state = self.private_name(&FunctionKind::FkJacobian);
+        text.line(format!("let arm = {}::new(at, {state});", self.paths.runtime("Arm")));
+        text.line(format!("Self::{}.nearest(arm, tool_point, target, seed)", constant_name(methods.problem)));
         text.close("}");
     }
 
     /// The target, and the solutions by the free joint.
-    fn target_and_at(&self, text: &mut Text, methods: &Methods<'_>, valid: bool) {
+    fn target_and_at(&self, text: &mut Text, methods: &Methods<'_>) {
         text.laid_out(&statement(text.indent(), "let target =", &methods.arguments.target, ";"));
-        if valid {
-            text.line("let target = &target.validate()?;");
-        }
         text.line(format!("let at = |free| {}(target, &[free]);", private_name(methods.problem)));
     }
 

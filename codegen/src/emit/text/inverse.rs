@@ -102,7 +102,7 @@ impl Derivation<'_, '_, '_> {
                         definitions.push(format!("{} = cos({angle})", names.cos));
                     }
                 }
-                Step::Solve { stage, root, equation, body } => {
+                Step::Solve { stage, root, equation, body, .. } => {
                     self.stage(*stage, *root, equation, &definitions);
                     self.steps(body);
                 }
@@ -117,7 +117,7 @@ impl Derivation<'_, '_, '_> {
                     }
                     self.steps(body);
                 }
-                Step::Accept { q } => self.joints(q),
+                Step::Accept { q, .. } => self.joints(q),
             }
         }
     }

@@ -4,6 +4,7 @@ use super::routine::Routine;
 use super::run::{self, Registers};
 use super::trace::Event;
 use super::{PlanError, Program, robot};
+use crate::model::Problem;
 use crate::plan::{Function, FunctionKind};
 use dh_core::{
     Bound, FULL_POSE, Float, Frame, IkError, Joint, KeepOut, Kinematics, LengthError, ProblemInfo,
@@ -209,9 +210,11 @@ impl<S: Float> Kinematics<S> for Interpreter<'_, S> {
     }
 
     fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, S>> {
-        let info = self.problems.iter().find(|info| info.name == problem)?;
-        let [joint] = info.free else { return None };
+        let place = self.problems.iter().position(|info| info.name == problem)?;
+        let [joint] = self.problems.get(place)?.free else { return None };
         let reach = S::from_f64(self.program.model.reach());
-        Some(Redundancy { joint: *joint, rules: self.rules(), reach })
+        let problem = self.indices.get(place)?.and_then(|index| self.program.model.problems.get(index));
+        let whole_pose = problem.is_none_or(Problem::is_whole_pose);
+        Some(Redundancy { joint: *joint, rules: self.rules(), reach, whole_pose })
     }
 }

@@ -45,19 +45,25 @@ impl<S: Float> Lowering<'_, S> {
                 self.define(*cos);
                 code.extend([Instruction::Named(sin_slot), Instruction::Named(cos_slot)]);
             }
-            Step::Solve { stage, root, equation, body } => {
+            Step::Solve { stage, root, sin_cos, equation, body } => {
                 self.inverse_only()?;
                 if *stage >= self.function.stages.len() || depth >= MAX_DEPTH {
                     return Err(PlanError::Stage { index: *stage });
                 }
                 let root_slot = self.slot(*root)?;
+                let angle = !matches!(equation, Equation::Linear { .. } | Equation::Quadratic { .. });
                 let equation = self.equation(equation, code)?;
+                let sin_cos = match sin_cos {
+                    Some([sin, cos]) => Some([self.slot(*sin)?, self.slot(*cos)?]),
+                    None => None,
+                };
                 // What a body defines is not known outside of it.
                 let outside = self.defined.clone();
                 self.define(*root);
+                sin_cos.into_iter().flatten().for_each(|slot| self.define(ValueId(slot)));
                 let body = self.steps(body, depth + 1)?;
                 self.defined = outside;
-                let solve = Solve { stage: *stage, root: root_slot, equation, body };
+                let solve = Solve { stage: *stage, root: root_slot, angle, sin_cos, equation, body };
                 code.push(Instruction::Solve(Box::new(solve)));
             }
             Step::General { stage, chain, given, roots, body } => {
@@ -74,13 +80,19 @@ impl<S: Float> Lowering<'_, S> {
                 let general = General { stage: *stage, chain: chain.clone(), given, roots: slots, body };
                 code.push(Instruction::General(Box::new(general)));
             }
-            Step::Accept { q } => {
+            Step::Accept { q, tool, polish } => {
                 self.inverse_only()?;
                 if q.len() != self.joints {
                     return Err(PlanError::Candidate { expected: self.joints, got: q.len() });
                 }
-                let registers = q.iter().map(|q| self.scalar(q, code)).collect::<Result<Vec<_>, _>>()?;
-                code.push(Instruction::Accept(registers));
+                if !matches!(tool.len(), 0 | 12) {
+                    return Err(PlanError::Candidate { expected: 12, got: tool.len() });
+                }
+                let mut registers = |scalars: &[Scalar]| {
+                    scalars.iter().map(|x| self.scalar(x, code)).collect::<Result<Vec<_>, _>>()
+                };
+                let (q, tool) = (registers(q)?, registers(tool)?);
+                code.push(Instruction::Accept { q, tool, polish: *polish });
             }
         }
         Ok(())
@@ -89,6 +101,10 @@ impl<S: Float> Lowering<'_, S> {
     fn equation(&mut self, equation: &Equation, code: &mut Vec<Instruction>) -> Result<Kernel, PlanError> {
         Ok(match equation {
             Equation::Trig { a, b, c } => Kernel::Trig(self.coefficients([a, b, c], code)?),
+            Equation::TrigUnit { row, others } => {
+                let row = self.coefficients(row.each_ref(), code)?;
+                Kernel::TrigUnit(row, self.coefficients(others.each_ref(), code)?)
+            }
             Equation::TrigPair { first, second } => {
                 let first = self.coefficients(first.each_ref(), code)?;
                 Kernel::TrigPair(first, self.coefficients(second.each_ref(), code)?)

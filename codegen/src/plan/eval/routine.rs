@@ -52,8 +52,12 @@ pub(super) enum Instruction {
     Named(Register),
     Solve(Box<Solve>),
     General(Box<General>),
-    /// A candidate: the registers of q.
-    Accept(Vec<Register>),
+    /// A candidate: the registers of q, and of the tool frame where there are any.
+    Accept {
+        q: Vec<Register>,
+        tool: Vec<Register>,
+        polish: bool,
+    },
 }
 
 /// For every root of an equation: the instructions of `body`.
@@ -61,6 +65,9 @@ pub(super) enum Instruction {
 pub(super) struct Solve {
     pub(super) stage: usize,
     pub(super) root: Register,
+    /// Whether the root is an angle, and where its sine and cosine go.
+    pub(super) angle: bool,
+    pub(super) sin_cos: Option<[Register; 2]>,
     pub(super) equation: Kernel,
     pub(super) body: Vec<Instruction>,
 }
@@ -79,6 +86,7 @@ pub(super) struct General {
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Kernel {
     Trig([Register; 3]),
+    TrigUnit([Register; 3], [Register; 2]),
     TrigPair([Register; 3], [Register; 3]),
     Linear([Register; 2]),
     Quadratic([Register; 3]),

@@ -47,7 +47,7 @@ impl<S: Float> Registers<S> {
             Instruction::Named(_)
             | Instruction::Solve(_)
             | Instruction::General(_)
-            | Instruction::Accept(_) => {}
+            | Instruction::Accept { .. } => {}
         }
     }
 }
@@ -92,6 +92,8 @@ pub(super) struct Inverse<'r, 'w, S, F> {
     pub(super) names: &'r Function,
     /// Forward kinematics, which judges every candidate.
     pub(super) fk: &'r Routine<S>,
+    /// Forward kinematics with the Jacobian, which brings candidates of the full pose nearer.
+    pub(super) both: Option<&'r Routine<S>>,
     pub(super) target: &'r Target<S>,
     pub(super) dof: usize,
     /// m
@@ -117,7 +119,7 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
                 }
                 Instruction::Solve(solve) => self.solve(solve, registers),
                 Instruction::General(general) => self.general(general, registers),
-                Instruction::Accept(q) => self.accept(q, registers),
+                Instruction::Accept { q, tool, polish } => self.accept(q, tool, *polish, registers),
                 other => registers.compute(other),
             }
         }
@@ -133,8 +135,7 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
         let count = roots.into_iter().count();
         (self.observer)(Event::Stage { index: solve.stage, stage, roots: count });
         let mut number = 0;
-        while let Some(root) = self.search.next(&mut roots) {
-            registers.set(solve.root, root);
+        while let Some(root) = self.next(solve, &mut roots, registers) {
             let name = self.names.values.get(solve.root).map_or("", String::as_str);
             (self.observer)(Event::Root { stage: solve.stage, number, name, value: root });
             self.block(&solve.body, registers);
@@ -163,11 +164,30 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
         (self.observer)(Event::Done { stage: general.stage });
     }
 
+    /// The next root, in its registers.
+    fn next(&mut self, solve: &Solve, roots: &mut Roots<S>, registers: &mut Registers<S>) -> Option<S> {
+        if !solve.angle {
+            let root = self.search.next(roots)?;
+            registers.set(solve.root, root);
+            return Some(root);
+        }
+        let (root, sin, cos) = self.search.next_angle(roots)?;
+        registers.set(solve.root, root);
+        if let Some([sin_slot, cos_slot]) = solve.sin_cos {
+            registers.set(sin_slot, sin);
+            registers.set(cos_slot, cos);
+        }
+        Some(root)
+    }
+
     fn roots(&mut self, step: dh_core::Step, equation: Kernel, registers: &Registers<S>) -> Roots<S> {
         match equation {
             Kernel::Trig(coefficients) => {
                 let [a, b, c] = registers.all(coefficients);
                 self.search.trig(step, a, b, c)
+            }
+            Kernel::TrigUnit(row, others) => {
+                self.search.trig_unit(step, registers.all(row), registers.all(others))
             }
             Kernel::TrigPair(first, second) => {
                 self.search.trig_pair(step, registers.all(first), registers.all(second))
@@ -183,19 +203,42 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
         }
     }
 
-    fn accept(&mut self, candidate: &[Register], registers: &Registers<S>) {
+    fn accept(&mut self, candidate: &[Register], tool: &[Register], polish: bool, registers: &Registers<S>) {
         let mut q = [S::ZERO; MAX_JOINTS];
         q.iter_mut().zip(candidate).for_each(|(q, register)| *q = registers.get(*register));
         let joints = q.get(..self.dof).unwrap_or_default();
-        let mut forward_registers = Registers::of(self.fk, joints.iter().copied());
-        self.fk.code.iter().for_each(|instruction| forward_registers.compute(instruction));
-        let tool = frame(&self.fk.outputs, &forward_registers);
+        let tool = if tool.is_empty() { forward_frame(self.fk, joints) } else { frame(tool, registers) };
         let (position_error, rotation_error) = self.target.errors(&tool);
         let conditions: Vec<_> = self.filters.iter().map(|filter| filter.at(joints)).collect();
         let tolerance = residual_tolerance::<S>();
         let hits = position_error <= tolerance * self.reach && rotation_error <= tolerance;
         let kept = hits && conditions.iter().all(Condition::holds);
         (self.observer)(Event::Candidate { q: joints, position_error, rotation_error, kept });
+        if let (Target::Pose(target), Some(both), true) = (self.target, self.both, polish) {
+            let dof = self.dof;
+            self.search
+                .accept_pose(q, &tool, target, |q| pose_and_jacobian(both, q.get(..dof).unwrap_or_default()));
+            return;
+        }
         self.search.accept_where(q, position_error, rotation_error, &conditions);
     }
+}
+
+/// The tool frame by a forward function.
+fn forward_frame<S: Float>(fk: &Routine<S>, joints: &[S]) -> Frame<S> {
+    let mut registers = Registers::of(fk, joints.iter().copied());
+    fk.code.iter().for_each(|instruction| registers.compute(instruction));
+    frame(&fk.outputs, &registers)
+}
+
+/// The tool frame and the columns of the Jacobian by a forward function.
+fn pose_and_jacobian<S: Float>(both: &Routine<S>, joints: &[S]) -> (Frame<S>, [[S; 6]; MAX_JOINTS]) {
+    let mut registers = Registers::of(both, joints.iter().copied());
+    both.code.iter().for_each(|instruction| registers.compute(instruction));
+    let mut columns = [[S::ZERO; 6]; MAX_JOINTS];
+    let outputs = both.outputs.get(12..).unwrap_or_default();
+    for (entry, output) in columns.as_flattened_mut().iter_mut().zip(outputs) {
+        *entry = registers.get(*output);
+    }
+    (frame(&both.outputs, &registers), columns)
 }

@@ -15,24 +15,27 @@ const POSES: [usize; 2] = [3, 12];
 /// How many charts are kept.
 const KEPT: usize = 3;
 
+/// The arm with values for its given joints, six joint values and the pose that belongs to them.
+struct Trial<'a> {
+    six: SixJoints<'a>,
+    q: [f64; 6],
+    pose: Frame,
+}
+
 /// The charts that find most, the best first.
 pub(super) fn choose(chain: &GeneralChain) -> Vec<Chart> {
-    let given = vec![0.3; chain.given.len()];
-    let Some(six) = chain.arm().six(&given) else {
-        return Vec::new();
-    };
     let mut random = Random(0x2545_f491_4f6c_dd1d);
-    let poses: Vec<_> = (0..POSES[1]).map(|_| random.pose(&six)).collect();
+    let trials: Vec<Trial<'_>> = (0..POSES[1]).filter_map(|_| random.trial(chain)).collect();
     let mut charts: Vec<(Chart, f64)> = Vec::new();
-    for chart in candidates(&six) {
-        if let Some(chart) = with_degree(&six, chart, &poses) {
-            charts.push((chart, score(&six, chart, poses.get(..POSES[0]).unwrap_or(&poses))));
+    for chart in candidates(chain) {
+        if let Some(chart) = with_degree(chart, &trials) {
+            charts.push((chart, score(chart, trials.get(..POSES[0]).unwrap_or(&trials))));
         }
     }
     sort(&mut charts);
     charts.truncate(PROMISING);
     for (chart, badness) in &mut charts {
-        *badness = score(&six, *chart, &poses);
+        *badness = score(*chart, &trials);
     }
     sort(&mut charts);
     let mut kept: Vec<Chart> = Vec::new();
@@ -40,7 +43,7 @@ pub(super) fn choose(chain: &GeneralChain) -> Vec<Chart> {
         // Charts of the same hidden joint fail at the same poses.
         let known =
             kept.iter().any(|other| other.unknown() == chart.unknown() && other.dropped == chart.dropped);
-        if !known && kept.len() < KEPT && badness < poses.len() as f64 {
+        if !known && kept.len() < KEPT && badness < trials.len() as f64 {
             kept.push(chart);
         }
     }
@@ -53,8 +56,10 @@ fn sort(charts: &mut [(Chart, f64)]) {
 
 /// Every choice in which the two joints that are eliminated first see the line through the target, so that no special
 /// geometry makes the resultant vanish at all poses.
-fn candidates(six: &SixJoints<'_>) -> Vec<Chart> {
-    let slides = |joint: usize| six.prismatic.get(joint).copied().unwrap_or(false);
+fn candidates(chain: &GeneralChain) -> Vec<Chart> {
+    let found = chain.prismatic.iter().enumerate().filter(|(joint, _)| !chain.given.contains(joint));
+    let found: Vec<bool> = found.map(|(_, slides)| *slides).collect();
+    let slides = |joint: usize| found.get(joint).copied().unwrap_or(false);
     let mut charts = Vec::new();
     for (dropped, backward) in [(1, true), (4, false)] {
         for hidden in 0..3 {
@@ -72,18 +77,18 @@ fn candidates(six: &SixJoints<'_>) -> Vec<Chart> {
 }
 
 /// The chart with the least degree that is high enough.
-fn with_degree(six: &SixJoints<'_>, chart: Chart, poses: &[([f64; 6], Frame)]) -> Option<Chart> {
+fn with_degree(chart: Chart, trials: &[Trial<'_>]) -> Option<Chart> {
     DEGREES.into_iter().map(|degree| Chart { degree, ..chart }).find(|chart| {
-        let accurate = |(_, pose): &([f64; 6], Frame)| six.noise(*chart, pose) < ACCURATE;
-        poses.iter().take(2).all(accurate)
+        let accurate = |trial: &Trial<'_>| trial.six.noise(*chart, &trial.pose) < ACCURATE;
+        trials.iter().take(2).all(accurate)
     })
 }
 
 /// How badly a chart does: joint values that were not found, the more so where it seemed certain, then doubts, digits
 /// and degree.
-fn score(six: &SixJoints<'_>, chart: Chart, poses: &[([f64; 6], Frame)]) -> f64 {
+fn score(chart: Chart, trials: &[Trial<'_>]) -> f64 {
     let mut badness = f64::from(chart.degree) * 0.2;
-    for (q, pose) in poses {
+    for Trial { six, q, pose } in trials {
         let mut found = false;
         let outcome = six.solve_in(chart, pose, &mut |solution| {
             let apart = |((a, b), slides): ((&f64, &f64), &bool)| {
@@ -114,11 +119,17 @@ impl Random {
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    fn pose(&mut self, six: &SixJoints<'_>) -> ([f64; 6], Frame) {
-        let q = six.prismatic.map(|slides| {
-            let x = 2.0 * self.unit() - 1.0;
-            if slides { x * six.reach } else { x * std::f64::consts::PI }
-        });
-        (q, six.tip(&q))
+    fn value(&mut self, slides: bool, reach: f64) -> f64 {
+        let x = 2.0 * self.unit() - 1.0;
+        if slides { x * reach } else { x * std::f64::consts::PI }
+    }
+
+    fn trial<'a>(&mut self, chain: &'a GeneralChain) -> Option<Trial<'a>> {
+        let slides = |joint: &usize| chain.prismatic.get(*joint).copied().unwrap_or(false);
+        let given: Vec<f64> =
+            chain.given.iter().map(|joint| self.value(slides(joint), chain.reach)).collect();
+        let six = chain.arm().six(&given)?;
+        let q = six.prismatic.map(|slides| self.value(slides, chain.reach));
+        Some(Trial { six, q, pose: six.tip(&q) })
     }
 }

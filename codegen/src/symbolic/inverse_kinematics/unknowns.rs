@@ -86,6 +86,12 @@ pub(super) struct Unknowns {
 }
 
 impl Unknowns {
+    /// A form's constant, with what the given variables are where their joints are at 0.
+    pub(super) fn constant(&self, form: &Form) -> Offset {
+        let given = self.free.iter().zip(&form.coefficients).filter_map(|(free, k)| Some((free.given?, *k)));
+        given.fold(form.offset, |sum, (given, k)| sum.add_scaled(given.at_zero, k))
+    }
+
     /// What the caller gives.
     pub(super) fn given(&self) -> impl Iterator<Item = (Free, Given)> {
         self.free.iter().filter_map(|free| free.given.map(|given| (*free, given)))

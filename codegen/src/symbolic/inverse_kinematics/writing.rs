@@ -4,8 +4,8 @@ use super::atoms::{AngleData, Source};
 use super::polynomial::{Atom, Key, Polynomial};
 use super::search::{Found, Solved, State, Unknown};
 use super::unknowns::{self, Form, Given, Offset, Unknowns};
-use super::{Derivation, Linear, Stage, StageEquation};
-use crate::model::{JointKind, Problem};
+use super::{Derivation, Linear, Stage, StageEquation, tool};
+use crate::model::{JointKind, Model, Problem};
 use crate::symbolic::angle::{AngleForm, Turn};
 use crate::symbolic::expression::{Arena, Expr, Leaf};
 use crate::symbolic::number::Number;
@@ -13,12 +13,20 @@ use crate::symbolic::{chain, text};
 use std::collections::BTreeMap;
 
 /// Writes a solved problem.
-pub(super) fn write(arena: Arena, problem: &Problem, unknowns: &Unknowns, end: &State) -> Derivation {
+pub(super) fn write(
+    arena: Arena,
+    model: &Model,
+    problem: &Problem,
+    unknowns: &Unknowns,
+    end: &State,
+) -> Derivation {
+    let arena = arena.by_variable();
     let mut writer =
         Writer { arena, unknowns, end, exprs: BTreeMap::new(), defined: std::collections::BTreeSet::new() };
     let inputs =
         problem.target.input_names().iter().map(|name| writer.arena.leaf(name, Leaf::Known)).collect();
-    let stages: Vec<Stage> = end.found.iter().map(|found| writer.stage(found)).collect();
+    let stages: Vec<Stage> =
+        end.found.iter().enumerate().map(|(index, found)| writer.stage(index, found)).collect();
     let free = writer.free_by_roots();
     let mut joints: Vec<Linear> = unknowns.joints.iter().map(|form| linear(form, &free)).collect();
     let mut given = vec![String::new(); writer.given()];
@@ -29,14 +37,17 @@ pub(super) fn write(arena: Arena, problem: &Problem, unknowns: &Unknowns, end: &
             *name = format!("q{}", free.row + 1);
         }
     }
-    let rows = |variable: usize| match variable.checked_sub(given.len()) {
+    let by_rows = |variable: usize| match variable.checked_sub(given.len()) {
         Some(stage) => stages.get(stage).map(|stage| stage.rows.clone()),
         None => unknowns.given().find(|(_, given)| given.place == variable).map(|(free, _)| vec![free.row]),
     };
     for joint in &mut joints {
-        joint.terms.sort_by_key(|(variable, _)| rows(*variable));
+        joint.terms.sort_by_key(|(variable, _)| by_rows(*variable));
     }
-    Derivation { arena: writer.arena, inputs, given, stages, joints }
+    let rows: Vec<Linear> = unknowns.rows.iter().map(|form| linear(form, &free)).collect();
+    let mut arena = writer.arena;
+    let tool = tool::entries(&mut arena, model, unknowns, &rows, &stages);
+    Derivation { arena, inputs, given, stages, joints, tool }
 }
 
 /// A free variable in terms of what is given and of the roots.
@@ -86,7 +97,7 @@ enum Factor {
 type Term = (Number, Vec<Factor>);
 
 impl Writer<'_> {
-    fn stage(&mut self, found: &Found) -> Stage {
+    fn stage(&mut self, index: usize, found: &Found) -> Stage {
         let (name, rows, kind, slide) = match &found.unknown {
             Unknown::Slide(atom) => {
                 let data = self.end.atoms.list.get(usize::from(*atom));
@@ -102,6 +113,11 @@ impl Writer<'_> {
             }
         };
         let equation = self.equation(&found.equation);
+        if kind == JointKind::Revolute {
+            // Later steps, and the tool frame, speak of its sine and cosine.
+            let root = AngleForm { terms: vec![(self.given() + index, 1.0)], turn: Turn::ZERO };
+            self.arena.sin_cos(name.strip_prefix("theta").unwrap_or(&name), &root);
+        }
         let (text, mut definitions) = self.text(&equation, &name);
         definitions.retain(|(name, _)| self.defined.insert(name.clone()));
         Stage {
@@ -120,6 +136,10 @@ impl Writer<'_> {
     fn equation(&mut self, solved: &Solved) -> StageEquation {
         match solved {
             Solved::Trig(list) => StageEquation::Trig(self.trig(list)),
+            Solved::Unit(list, others) => {
+                let list = self.trig(list);
+                StageEquation::TrigUnit(list, others.each_ref().map(|p| self.expr(p)))
+            }
             Solved::Pair(first, second) => StageEquation::TrigPair(self.trig(first), self.trig(second)),
             Solved::Linear([b, c]) => {
                 let (b, c) = (self.expr(b), self.expr(c));
@@ -158,7 +178,7 @@ impl Writer<'_> {
         };
         let square = format!("{unknown}^2");
         let written = match equation {
-            StageEquation::Trig(list) => trig(list),
+            StageEquation::Trig(list) | StageEquation::TrigUnit(list, _) => trig(list),
             StageEquation::TrigPair(first, second) => format!("{}; {}", trig(first), trig(second)),
             StageEquation::Linear([a, c]) => {
                 format!("{} = {}", text::combination(arena, &[(*a, unknown)]), text::abbreviated(arena, *c))

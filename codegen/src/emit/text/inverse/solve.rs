@@ -27,6 +27,14 @@ impl Solution {
     ) -> Solution {
         match equation {
             Equation::Trig { a, b, c } => trig(unknown, [sum(a), sum(b), sum(c)], units),
+            Equation::TrigUnit { row: [a, b, c], others } => {
+                let mut solution = trig(unknown, [sum(a), sum(b), sum(c)], units);
+                let [cos, sin] = unknown.cos_sin();
+                let across = sum(a).mul(sin).sub(sum(b).mul(cos));
+                let [d, e] = others.each_ref().map(&mut *sum);
+                solution.equations.push(format!("{} = {}", across.squared(), d.squared().add(e.squared())));
+                solution
+            }
             Equation::TrigPair { first, second } => {
                 let mut sums = |[a, b, c]: &[Scalar; 3]| [sum(a), sum(b), sum(c)];
                 trig_pair(unknown, &sums(first), &sums(second))

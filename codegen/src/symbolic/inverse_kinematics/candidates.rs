@@ -1,0 +1,230 @@
+//! The equations of a state that one unknown solves.
+
+use super::atoms::{Atoms, Source};
+use super::closure::{Equation, Origin};
+use super::polynomial::{Atom, Overflow, Polynomial};
+use super::reading::{Open, Reading, Simple};
+use super::search::{Class, Found, Solved, State, Unknown};
+use crate::symbolic::expression::Arena;
+use crate::symbolic::number::Number;
+
+/// Rows with more unknown terms than this are not squared.
+const LONGEST_SQUARED: usize = 8;
+/// A value that is smaller at all samples is zero (m, m^2 or a ratio; samples are of the order of 1).
+const ZERO: f64 = 1e-9;
+
+/// An equation in one unknown, and where it comes from.
+struct Lone {
+    simple: Simple,
+    group: usize,
+    origin: Origin,
+}
+
+/// All steps that can be taken next.
+pub(super) fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>, Overflow> {
+    let mut lone: Vec<Lone> = Vec::new();
+    let squares = squares(state)?;
+    for equation in state.equations.iter().chain(&squares) {
+        if let Some(simple) = Reading::new(&equation.polynomial, &state.open)?.simple()? {
+            lone.push(Lone { simple, group: equation.group, origin: equation.origin.clone() });
+        }
+    }
+    let mut found = Vec::new();
+    for (index, first) in lone.iter().enumerate() {
+        match &first.simple {
+            Simple::Slide { slide, a, b, c } => {
+                let equation = if a.is_zero() {
+                    Solved::Linear([b.clone(), c.clone()])
+                } else {
+                    Solved::Quadratic([a.clone(), b.clone(), c.clone()])
+                };
+                let leading = if a.is_zero() { b } else { a };
+                if !vanishes(arena, state, leading) {
+                    let (unknown, origin) = (Unknown::Slide(*slide), first.origin.clone());
+                    let class =
+                        if of_table(&state.atoms, leading) { Class::Constant } else { Class::Unsound };
+                    found.push(Found { unknown, equation, origin, class });
+                }
+            }
+            Simple::Trig { frequency, a, b, c } => {
+                let Some(unknown) = angle(frequency) else { continue };
+                if vanishes(arena, state, a) && vanishes(arena, state, b) {
+                    continue;
+                }
+                let list = [a.clone(), b.clone(), c.clone()];
+                let equation = match unit(arena, state, first.group, &list)? {
+                    Some(others) => Solved::Unit(list, others),
+                    None => Solved::Trig(list),
+                };
+                let table = of_table(&state.atoms, a) && of_table(&state.atoms, b);
+                found.push(Found {
+                    unknown: unknown.clone(),
+                    equation,
+                    origin: first.origin.clone(),
+                    class: if table { Class::Constant } else { Class::Singular },
+                });
+                let later = lone.iter().skip(index + 1);
+                for second in later.filter(|second| second.group == first.group) {
+                    found.extend(pair(arena, state, &unknown, first, second)?);
+                }
+            }
+        }
+    }
+    // Rows of different vectors make pairs only of what no vector has a sound pair of.
+    for (index, first) in lone.iter().enumerate() {
+        let Simple::Trig { frequency, .. } = &first.simple else { continue };
+        let Some(unknown) = angle(frequency) else { continue };
+        let sound = |found: &Found| {
+            found.unknown == unknown
+                && found.class != Class::Unsound
+                && matches!(found.equation, Solved::Pair(..))
+        };
+        if found.iter().any(sound) {
+            continue;
+        }
+        for second in lone.iter().skip(index + 1).filter(|second| second.group != first.group) {
+            found.extend(pair(arena, state, &unknown, first, second)?);
+        }
+    }
+    Ok(found)
+}
+
+fn angle(frequency: &[i16]) -> Option<Unknown> {
+    let at = frequency.iter().position(|k| k.abs() == 1)?;
+    Some(Unknown::Angle { frequency: frequency.to_vec(), at })
+}
+
+/// Two equations in the sine and cosine of one angle, if they are independent at all samples.
+fn pair(
+    arena: &Arena,
+    state: &mut State,
+    unknown: &Unknown,
+    first: &Lone,
+    second: &Lone,
+) -> Result<Option<Found>, Overflow> {
+    let (Simple::Trig { frequency, a, b, c }, Simple::Trig { frequency: other, a: a2, b: b2, c: c2 }) =
+        (&first.simple, &second.simple)
+    else {
+        return Ok(None);
+    };
+    if frequency != other {
+        return Ok(None);
+    }
+    let determinant = a.mul(b2)?.sub(&b.mul(a2)?)?;
+    if vanishes(arena, state, &determinant) {
+        return Ok(None);
+    }
+    let equation = Solved::Pair([a.clone(), b.clone(), c.clone()], [a2.clone(), b2.clone(), c2.clone()]);
+    let origin = first.origin.with(&second.origin);
+    let class = if of_table(&state.atoms, &determinant) {
+        Class::Constant
+    } else if perpendicular([a, b], [a2, b2])? {
+        Class::Singular
+    } else {
+        Class::Unsound
+    };
+    Ok(Some(Found { unknown: unknown.clone(), equation, origin, class }))
+}
+
+/// The other two coordinates of the known vector that c, the right-hand side of a row of this group, is a coordinate of,
+/// if that vector has length 1 and (a, b) has too.
+fn unit(
+    arena: &Arena,
+    state: &mut State,
+    group: usize,
+    [a, b, c]: &[Polynomial; 3],
+) -> Result<Option<[Polynomial; 2]>, Overflow> {
+    let square = a.mul(a)?.add(&b.mul(b)?)?;
+    let Some((key, _)) = square.terms().next() else { return Ok(None) };
+    let one = Polynomial::number(key.frequency.len(), Number::ONE);
+    if !square.sub(&one)?.is_zero() {
+        return Ok(None);
+    }
+    let mut known = Vec::new();
+    for equation in state.equations.iter().filter(|equation| equation.group == group) {
+        known.push(Reading::new(&equation.polynomial, &state.open)?.constant());
+    }
+    let own = known.iter().position(|known| known == c || known.add(c).is_ok_and(|sum| sum.is_zero()));
+    let Some(own) = own.filter(|_| known.len() == 3) else { return Ok(None) };
+    let State { samples, atoms, .. } = state;
+    let is_unit = samples.iter_mut().all(|sample| {
+        let square = |polynomial: &Polynomial| sample.value(arena, atoms, polynomial).powi(2);
+        (known.iter().map(square).sum::<f64>() - 1.0).abs() < ZERO
+    });
+    known.remove(own);
+    Ok(<[Polynomial; 2]>::try_from(known).ok().filter(|_| is_unit))
+}
+
+/// Whether the rows are those of a turned and scaled pair, (a, b) and (-b, a): then the determinant a^2 + b^2 vanishes
+/// only with both.
+fn perpendicular([a, b]: [&Polynomial; 2], [a2, b2]: [&Polynomial; 2]) -> Result<bool, Overflow> {
+    let (sum, difference) = (a.add(b2)?, a.sub(b2)?);
+    Ok((difference.is_zero() && b.add(a2)?.is_zero()) || (sum.is_zero() && b.sub(a2)?.is_zero()))
+}
+
+/// Whether only numbers of the table are in it.
+fn of_table(atoms: &Atoms, polynomial: &Polynomial) -> bool {
+    polynomial.terms().all(|(key, _)| {
+        let table = |(atom, _): &(Atom, u8)| {
+            matches!(atoms.list.get(usize::from(*atom)).map(|data| &data.source), Some(Source::Table(_)))
+        };
+        key.frequency.iter().all(|k| *k == 0) && key.monomial.iter().all(table)
+    })
+}
+
+/// Whether a known polynomial is zero at some sample: then it may be zero wherever the arm can be.
+fn vanishes(arena: &Arena, state: &mut State, polynomial: &Polynomial) -> bool {
+    let State { samples, atoms, .. } = state;
+    samples.iter_mut().any(|sample| sample.value(arena, atoms, polynomial).abs() < ZERO)
+}
+
+/// Sums of squares of two or three rows of one vector: |unknown part|^2 = |known part|^2.
+fn squares(state: &State) -> Result<Vec<Equation>, Overflow> {
+    let mut found = Vec::new();
+    let mut groups: Vec<usize> = state.equations.iter().map(|equation| equation.group).collect();
+    groups.dedup();
+    for group in groups {
+        let rows: Vec<&Equation> =
+            state.equations.iter().filter(|equation| equation.group == group).collect();
+        for chosen in subsets(rows.len()) {
+            let rows: Vec<&Equation> = chosen.iter().filter_map(|index| rows.get(*index).copied()).collect();
+            if let Some(equation) = square_sum(&rows, &state.open)? {
+                found.push(equation);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Subsets of two or more of up to three rows.
+fn subsets(rows: usize) -> Vec<Vec<usize>> {
+    match rows {
+        2 => vec![vec![0, 1]],
+        3 => vec![vec![0, 1], vec![0, 2], vec![1, 2], vec![0, 1, 2]],
+        _ => Vec::new(),
+    }
+}
+
+fn square_sum(rows: &[&Equation], open: &Open) -> Result<Option<Equation>, Overflow> {
+    let mut sum = Polynomial::zero();
+    let mut origin: Option<Origin> = None;
+    for row in rows {
+        let known = Reading::new(&row.polynomial, open)?.constant();
+        let unknown = row.polynomial.sub(&known)?;
+        if unknown.len() > LONGEST_SQUARED || known.len() > LONGEST_SQUARED {
+            return Ok(None);
+        }
+        sum = sum.add(&unknown.mul(&unknown)?)?.sub(&known.mul(&known)?)?;
+        origin = Some(origin.map_or_else(|| row.origin.clone(), |origin| origin.with(&row.origin)));
+    }
+    if sum.is_zero() {
+        return Ok(None);
+    }
+    let (Some(first), Some(origin)) = (rows.first(), origin) else { return Ok(None) };
+    Ok(Some(Equation {
+        polynomial: sum,
+        group: usize::MAX,
+        origin: Origin { squares: true, ..origin },
+        name: first.name.clone(),
+    }))
+}

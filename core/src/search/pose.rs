@@ -1,0 +1,67 @@
+//! Candidates of the full pose.
+
+use super::Search;
+use crate::frame::{norm, sub};
+use crate::{Float, Frame, Solution, polish, residual_tolerance, rotation_error};
+
+/// A candidate with errors (reaches, rad) of up to this many machine epsilons is left as it is: 1e-13 in f64. Well-conditioned
+/// steps leave some ten; next to singular poses, where they leave more, a few steps on the whole pose take it away.
+const ACCURATE: f64 = 512.0;
+
+/// A candidate that misses by more than this (reaches, rad) is a false root.
+const HOPELESS: f64 = 1e-3;
+
+/// The most steps that are taken: at a double root, where one takes three quarters of the error away, from 1e-7 to 1e-16.
+const STEPS: usize = 24;
+
+impl<const N: usize, S: Float> Search<'_, N, S> {
+    /// [`Search::accept`] for the full pose: a candidate with its tool frame. One that is off because its steps were
+    /// ill-conditioned is brought nearer to the target first ([`polish`]); `pose_and_jacobian` is the tool frame with the
+    /// columns of the Jacobian.
+    #[inline]
+    pub fn accept_pose(
+        &mut self,
+        q: [S; N],
+        tool: &Frame<S>,
+        target: &Frame<S>,
+        pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+    ) {
+        let position_error = norm(sub(tool.translation, target.translation));
+        let rotation_error = rotation_error(&target.rotation, &tool.rotation);
+        let accurate = S::from_f64(ACCURATE) * S::EPSILON;
+        if position_error <= accurate * self.reach && rotation_error <= accurate {
+            if self.doubtful {
+                self.accept(q, position_error, rotation_error);
+                return;
+            }
+            // Branches that parted clearly at every step end in solutions that differ.
+            let mut q = q;
+            crate::rules::wrap_all(self.windings, &mut q);
+            self.accepted += 1;
+            self.solutions.append(Solution { q, position_error, rotation_error, free: None });
+        } else {
+            self.accept_polished(q, target, position_error, rotation_error, pose_and_jacobian);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn accept_polished(
+        &mut self,
+        q: [S; N],
+        target: &Frame<S>,
+        position_error: S,
+        rotation_error: S,
+        pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+    ) {
+        let hopeless = S::from_f64(HOPELESS).max(residual_tolerance());
+        if !(position_error <= hopeless * self.reach && rotation_error <= hopeless) {
+            self.accept(q, position_error, rotation_error);
+            return;
+        }
+        self.doubtful = true;
+        self.polished = true;
+        let better = polish(q, target, self.reach, STEPS, pose_and_jacobian);
+        self.accept(better.q, better.position_error, better.rotation_error);
+    }
+}
