@@ -36,6 +36,9 @@
 //! }
 //! ```
 //!
+//! A device that makes its own profiles is sent goals so near together that the tool point keeps the rules, and lines
+//! are lines to 5 mm, in whatever order its joints move between two of them.
+//!
 //! What is checked: limits of joints, of sums and of servos; workspace rules, for the tool point only, everywhere on
 //! the way; speed; along paths that solutions neither end, nor jump to another branch, nor come near a singularity.
 
@@ -48,6 +51,7 @@ mod error;
 mod follow;
 mod moves;
 mod narrowed;
+mod out_of_step;
 mod path;
 mod planner;
 mod profile;

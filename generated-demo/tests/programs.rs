@@ -75,10 +75,13 @@ fn mycobot_moves_to_joint_angles_and_refuses_the_others() {
 
 #[test]
 fn mycobot_moves_the_hand_tool_down() {
-    let text = stdout(&run(MYCOBOT, &["hand", "150", "-100", "70", "--simulated"], ""));
-    assert_near(&after(&text, "at"), &[150.0, -100.0, 70.0], 0.2, "hand");
-    let down = [-12.0814, -51.1653, -123.7964, 84.9618, 0.0, -12.0814];
-    assert_near(&after(&text, "joints"), &down, 0.1, "joints");
+    for model in [&[][..], &["--m5"]] {
+        let text =
+            stdout(&run(MYCOBOT, &[&["hand", "150", "-100", "70", "--simulated"], model].concat(), ""));
+        assert_near(&after(&text, "at"), &[150.0, -100.0, 70.0], 0.2, "hand");
+        let down = [-12.0814, -51.1653, -123.7964, 84.9618, 0.0, -12.0814];
+        assert_near(&after(&text, "joints"), &down, 0.1, "joints");
+    }
     for (position, why) in [
         (["0", "0", "100"], "singular"),
         (["1000", "1000", "100"], "out of reach"),

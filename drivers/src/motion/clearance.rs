@@ -29,6 +29,15 @@ pub(super) fn check(arm: &Narrowed<'_>, from: &[f64], to: &[f64]) -> Result<(), 
     between(arm, &start, &end, &slack)
 }
 
+/// Whether the tool point is nowhere deeper in what is forbidden than it may be: at all, or where the way begins.
+pub(super) fn no_deeper(arm: &Narrowed<'_>, from: &[f64], q: &[f64]) -> bool {
+    let (Some(start), Some(here)) = (Look::at(arm, from), Look::at(arm, q)) else {
+        return false;
+    };
+    let mut depths = start.depths.iter().zip(&here.depths);
+    depths.all(|(before, depth)| *depth <= before.max(WAY_TOLERANCE))
+}
+
 fn between(arm: &Narrowed<'_>, start: &Look, end: &Look, slack: &[f64]) -> Result<(), Rule> {
     let turn: f64 = start.q.iter().zip(&end.q).map(|(a, b)| (b - a).abs()).sum();
     let travel = start.travel(end).max(end.travel(start));

@@ -5,6 +5,14 @@
 /// Only [`motion`](crate::motion) makes one, and it makes them of what it has checked: its fields are private, and so is
 /// its constructor. A driver therefore need not ask where the numbers come from; it compares
 /// [`fingerprint`](Self::fingerprint) with its own, so that what was checked for one arm is not sent to another.
+///
+/// ```compile_fail,E0451
+/// let forged = dh_drivers::Command { fingerprint: 1, positions: vec![0.0], velocities: vec![0.0] };
+/// ```
+///
+/// ```compile_fail,E0624
+/// let forged = dh_drivers::Command::new(1, vec![0.0], vec![0.0]);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Command {
     fingerprint: u64,

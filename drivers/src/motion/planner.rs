@@ -8,6 +8,7 @@ use super::dynamics::{Defaults, Dynamics};
 use super::follow::{self, joint_name, joints_along, nearest};
 use super::moves::{Goal, Move};
 use super::narrowed::Narrowed;
+use super::out_of_step;
 use super::path::{self, NoPath, Path};
 use super::profile::Profile;
 use super::refusal::{JointName, Reason, Refusal, Sample};
@@ -38,6 +39,9 @@ const LEAST_PART: f64 = 0.02;
 /// How far the hand of a device that makes its own profiles may leave a path between two goals: m and rad.
 const GOAL_POSITION: f64 = 1e-3;
 const GOAL_ROTATION: f64 = 1e-2;
+
+/// The same where its joints do not keep in step (m).
+const OUT_OF_STEP: f64 = 5e-3;
 
 /// Plans and checks motions of one arm, without a device.
 #[derive(Debug, Clone)]
@@ -234,6 +238,7 @@ impl<'k> Planner<'k> {
     /// Goals at these times, and straight lines (in joint space) between them, checked.
     fn goals(&self, start: &[f64], course: &Course, times: &[f64], step: usize) -> Result<Leg, Refusal> {
         let mut leg = Leg { start: start.to_vec(), commands: Vec::new(), times: Vec::new() };
+        let times = self.in_step(start, course, times);
         let (mut before, mut then) = (start.to_vec(), 0.0);
         for (place, time) in times.iter().enumerate() {
             let (positions, _) = course.at(*time);
@@ -264,6 +269,26 @@ impl<'k> Planner<'k> {
         Ok(leg)
     }
 
+    /// The same goals, and others between them where the tool point could break a rule if the joints got out of step.
+    fn in_step(&self, start: &[f64], course: &Course, times: &[f64]) -> Vec<f64> {
+        let (mut all, mut before, mut then) = (Vec::new(), start.to_vec(), 0.0);
+        // What is to be reached, the next last.
+        let mut left: Vec<f64> = times.iter().rev().copied().collect();
+        while let Some(time) = left.pop() {
+            let (goal, _) = course.at(time);
+            let middle = f64::midpoint(then, time);
+            // In so short a time (s) nothing moves by more than does not matter.
+            let divisible = time - then > 1e-3;
+            if divisible && !out_of_step::keeps_rules(&self.arm, &before, &goal) {
+                left.extend([time, middle]);
+                continue;
+            }
+            all.push(time);
+            (before, then) = (goal, time);
+        }
+        all
+    }
+
     /// Velocities of a goal, raised together where the leading joint would be slower than devices can be told to be.
     fn no_slower_than_devices_go(&self, velocities: Vec<f64>) -> Vec<f64> {
         let parts =
@@ -284,24 +309,25 @@ impl<'k> Planner<'k> {
         let way = |time: f64| timing.at(time).0.first().copied().unwrap_or(0.0);
         let near = |from: usize, to: usize| {
             let (start, end) = (course.at(time(from)).0, course.at(time(to)).0);
-            (from + 1..to).all(|between| {
-                let q = course.at(time(between)).0;
-                let (mut along, mut whole) = (0.0, 0.0);
-                for ((start, end), q) in start.iter().zip(&end).zip(&q) {
-                    along += (q - start) * (end - start);
-                    whole += (end - start).powi(2);
-                }
-                let part = if whole > 0.0 { along / whole } else { 0.0 };
-                let q: Vec<f64> = start.iter().zip(&end).map(|(a, b)| a + part * (b - a)).collect();
-                let target = path.at(way(time(between))).validate();
-                match (self.arm.fk(&q), target) {
-                    (Ok(tool), Ok(target)) => {
-                        let (position, rotation) = target.errors(&tool);
-                        position <= GOAL_POSITION && rotation <= GOAL_ROTATION
+            out_of_step::stays_near(&self.arm, &start, &end, OUT_OF_STEP)
+                && (from + 1..to).all(|between| {
+                    let q = course.at(time(between)).0;
+                    let (mut along, mut whole) = (0.0, 0.0);
+                    for ((start, end), q) in start.iter().zip(&end).zip(&q) {
+                        along += (q - start) * (end - start);
+                        whole += (end - start).powi(2);
                     }
-                    _ => false,
-                }
-            })
+                    let part = if whole > 0.0 { along / whole } else { 0.0 };
+                    let q: Vec<f64> = start.iter().zip(&end).map(|(a, b)| a + part * (b - a)).collect();
+                    let target = path.at(way(time(between))).validate();
+                    match (self.arm.fk(&q), target) {
+                        (Ok(tool), Ok(target)) => {
+                            let (position, rotation) = target.errors(&tool);
+                            position <= GOAL_POSITION && rotation <= GOAL_ROTATION
+                        }
+                        _ => false,
+                    }
+                })
         };
         let (mut places, mut here) = (Vec::new(), 0);
         while here < count {

@@ -33,6 +33,9 @@ struct Arguments {
     /// Percent of the greatest speed.
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u8).range(1..=100), global = true)]
     speed: u8,
+    /// The arm has an M5 in its base, not a Raspberry Pi.
+    #[arg(long, global = true)]
+    m5: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -62,23 +65,25 @@ enum Task {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    let model = if arguments.m5 { Model::M5 } else { Model::Pi };
     device::end(match &arguments.task {
         Task::Check => check(),
-        Task::Joints(flags) => connected(flags, |robot| joints(robot, arguments.speed)),
+        Task::Joints(flags) => connected(flags, model, |robot| joints(robot, arguments.speed)),
         Task::Hand { x, y, z, device } => {
-            connected(device, |robot| hand(robot, [*x, *y, *z], arguments.speed))
+            connected(device, model, |robot| hand(robot, [*x, *y, *z], arguments.speed))
         }
-        Task::Plate(flags) => connected(flags, |robot| plate(robot, arguments.speed)),
+        Task::Plate(flags) => connected(flags, model, |robot| plate(robot, arguments.speed)),
     })
 }
 
 fn connected(
     flags: &DeviceFlags,
+    model: Model,
     act: impl FnOnce(&mut Robot<'_, MyCobot>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let settings = DeviceSettings { kind: DeviceKind::Mycobot, baud: Model::Pi.baud() };
+    let settings = DeviceSettings { kind: DeviceKind::Mycobot, baud: model.baud() };
     let (port, joints) = flags.open(Arm, settings, JointMap::of_table(&Arm)?)?;
-    let driver = MyCobot::new(port, joints, Model::Pi)?;
+    let driver = MyCobot::new(port, joints, model)?;
     let mut robot = Robot::new(&Arm, driver)?.with_poses(&Arm::POSES);
     device::stop_on_interrupt(robot.stop_handle())?;
     act(&mut robot)?;

@@ -8,8 +8,8 @@ use crate::motion::command::Command;
 use crate::motion::error::MotionError;
 use std::time::Duration;
 
-/// So near to a goal on the way, the next one is sent (as a part of the tolerance for having strayed).
-const PASSING: f64 = 0.25;
+/// So near to a goal on the way, the next one is sent (as a part of the tolerance for having strayed): 0.04 rad, 4 mm.
+const PASSING: f64 = 0.2;
 
 /// A goal may take so many times as long as it should.
 const PATIENCE: f64 = 3.0;

@@ -55,14 +55,14 @@ impl DeviceFlags {
         settings: DeviceSettings,
         mut joints: JointMap,
     ) -> Result<(Box<dyn Port>, JointMap), Failure> {
-        let line = match &self.place.port {
-            Some(name) => port::open(name, settings.baud, Arc::new(RealClock::new()))?,
-            None => connect::simulated(settings, Box::new(arm), &joints, Arc::new(VirtualClock::new()))?,
-        };
         if let Some(path) = &self.unit {
             let unit = Unit::parse(&std::fs::read_to_string(path)?)?;
             unit.apply(&mut joints)?;
         }
+        let line = match &self.place.port {
+            Some(name) => port::open(name, settings.baud, Arc::new(RealClock::new()))?,
+            None => connect::simulated(settings, Box::new(arm), &joints, Arc::new(VirtualClock::new()))?,
+        };
         Ok((line, joints))
     }
 
