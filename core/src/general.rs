@@ -161,11 +161,21 @@ impl SixJoints<'_> {
     /// Solutions are joint values (rad, m) with what is left of their errors.
     pub fn solve(&self, pose: &Frame, mut found: impl FnMut(&Polished<JOINTS>)) -> Outcome {
         let mut outcome = Outcome::UNKNOWN;
+        let (mut count, mut doubtful) = (0, self.charts.is_empty());
         for chart in self.charts {
-            outcome = outcome.and(self.solve_in(*chart, pose, &mut found));
-            if !outcome.doubtful {
+            let this = self.solve_in(*chart, pose, &mut |solution| {
+                count += 1;
+                found(solution);
+            });
+            doubtful |= this.doubtful;
+            outcome = outcome.and(this);
+            // That there is no solution is believed where all charts say so.
+            if !this.doubtful && count > 0 {
                 return outcome;
             }
+        }
+        if !doubtful {
+            return outcome;
         }
         // Where the equations degenerate at this very pose, those of poses on both sides of it don't.
         for chart in self.charts {
@@ -204,7 +214,8 @@ impl SixJoints<'_> {
         let target = self.in_reaches(pose);
         let roots = waves.roots();
         let miss = if roots.as_slice().is_empty() { waves.miss(&roots) } else { 0.0 };
-        let mut outcome = Outcome { doubtful: roots.doubtful || noise > NOISE, miss, moved: 0.0 };
+        let degenerate = noise > NOISE || resultant.pivot < PIVOT;
+        let mut outcome = Outcome { doubtful: roots.doubtful || degenerate, miss, moved: 0.0 };
         if roots.as_slice().is_empty() {
             outcome.doubtful |= miss < NEARLY;
         }
@@ -326,6 +337,10 @@ const NEIGHBOURS: [(f64, [f64; 6]); 10] = [
 const ASIDE: [f64; 6] = [0.61, -0.45, 0.37, 0.53, 0.71, -0.42];
 /// Another one.
 const ASKEW: [f64; 6] = [-0.33, 0.58, 0.71, -0.67, 0.24, 0.49];
+
+/// A pivot this small beside the greatest says that the target makes equations dependent on each other, as those of a
+/// lattice do.
+const PIVOT: f64 = 1e-10;
 
 /// A polynomial without roots that comes as near to 0 as this, relative to its size, may have had some.
 const NEARLY: f64 = 1e-6;

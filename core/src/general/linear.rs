@@ -1,12 +1,12 @@
 //! Small linear algebra of fixed size.
 
 /// Gaussian elimination of the first columns, rows and columns both pivoted: the rows that are left when `columns`
-/// pivots, or as many as are not vanishing, are taken.
+/// pivots, or as many as are not vanishing, are taken. Also says how small the last pivot was beside the greatest.
 pub(super) fn eliminate<const ROWS: usize, const COLUMNS: usize>(
     rows: &mut [[f64; COLUMNS]; ROWS],
     columns: usize,
-) -> usize {
-    let mut greatest = 0.0;
+) -> (usize, f64) {
+    let (mut greatest, mut ratio) = (0.0, 1.0);
     for rank in 0..columns.min(ROWS) {
         let (mut pivot, mut at, mut column) = (0.0, rank, rank);
         for (index, row) in rows.iter().enumerate().skip(rank) {
@@ -17,18 +17,19 @@ pub(super) fn eliminate<const ROWS: usize, const COLUMNS: usize>(
             }
         }
         greatest = if pivot > greatest { pivot } else { greatest };
-        if pivot <= greatest * VANISHING {
-            return rank;
+        ratio = pivot / greatest;
+        if !(ratio > VANISHING) {
+            return (rank, 0.0);
         }
         for row in rows.iter_mut() {
             swap(row, rank, column);
         }
-        let Some((head, tail)) = rows.split_at_mut_checked(rank + 1) else { return rank };
-        let Some(top) = head.last_mut() else { return rank };
+        let Some((head, tail)) = rows.split_at_mut_checked(rank + 1) else { return (rank, 0.0) };
+        let Some(top) = head.last_mut() else { return (rank, 0.0) };
         if let Some(other) = at.checked_sub(rank + 1).and_then(|index| tail.get_mut(index)) {
             core::mem::swap(top, other);
         }
-        let Some(pivot) = top.get(rank).copied() else { return rank };
+        let Some(pivot) = top.get(rank).copied() else { return (rank, 0.0) };
         for row in tail {
             let factor = row.get(rank).copied().unwrap_or(0.0) / pivot;
             for (value, from) in row.iter_mut().zip(top.iter()) {
@@ -36,7 +37,7 @@ pub(super) fn eliminate<const ROWS: usize, const COLUMNS: usize>(
             }
         }
     }
-    columns
+    (columns, ratio)
 }
 
 /// A pivot this far below the greatest is what rounding leaves of 0.

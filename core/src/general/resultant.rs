@@ -28,6 +28,8 @@ pub(super) struct Resultant {
     parts: [Block; 3],
     /// What the resultant is to be divided by: two quadratics in exp(i x), complex coefficients from the constant on.
     factors: [[[f64; 2]; 3]; 2],
+    /// The last pivot of the first elimination beside its greatest.
+    pub(super) pivot: f64,
     chart: Chart,
     /// Whether joints 3, 4 and 5 slide.
     slides: [bool; 3],
@@ -58,7 +60,7 @@ impl Resultant {
                 }
             }
         }
-        let rank = eliminate(&mut rows, PAIR);
+        let (rank, pivot) = eliminate(&mut rows, PAIR);
         let mut equations = [[0.0; TRIPLE]; LEFT];
         // Where the two joints take fewer equations, the rest is added to the six: any six independent sums will do.
         for (index, row) in rows.iter().skip(rank).enumerate() {
@@ -109,7 +111,7 @@ impl Resultant {
         }
         let factors =
             if chart.divided { [1.0, -1.0].map(|sense| factor(&triple, chart, sense)) } else { [UNITY; 2] };
-        Some(Self { parts, factors, chart, slides })
+        Some(Self { parts, factors, pivot, chart, slides })
     }
 
     /// At cosine and sine of the hidden joint.
