@@ -12,7 +12,7 @@
 //! | [`port`] | bytes to and from a device, each with a deadline |
 //! | [`driver`] | what motion knows of a device: [`Driver`], its joints, state and errors |
 //! | [`simulate`] | devices that are not there: their line, the dynamics of their motors, faults |
-//! | [`unit`] | what one arm out of many has of its own: zeros and signs of its servos |
+//! | [`mod@unit`] | what one arm out of many has of its own: zeros and signs of its servos |
 //! | [`motion`] | checks, profiles and moves |
 //!
 //! Nothing here panics, waits without a deadline, or spins while it waits.

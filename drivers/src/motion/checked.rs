@@ -3,7 +3,7 @@
 use super::command::Command;
 
 /// Moves that were checked as a whole, to be run by a [`Robot`](super::Robot). Nothing else makes one but
-/// [`Planner::plan`].
+/// [`Planner::plan`](super::Planner::plan).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Checked {
     pub(super) legs: Vec<Leg>,
