@@ -329,6 +329,13 @@ pub struct Problem {
     pub line: usize,
 }
 
+impl Problem {
+    /// Whether it prescribes the whole pose of the tool frame and nothing else.
+    pub fn is_whole_pose(&self) -> bool {
+        self.target == Target::Pose && self.constraints.is_empty() && self.filters.is_empty()
+    }
+}
+
 /// What an inverse problem prescribes; the rows of `table-format`'s list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "the names are those of the table's reference")]

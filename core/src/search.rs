@@ -2,6 +2,7 @@
 //! accepted or refused, and where nothing is found the failure that came furthest says why.
 
 mod conditions;
+mod general;
 mod free;
 mod polynomial;
 mod pose;
@@ -9,6 +10,7 @@ mod roots;
 mod trigonometric;
 
 pub use conditions::Condition;
+pub use general::Candidates;
 pub use roots::Roots;
 
 use crate::{Float, IkError, Rule, Solution, Solutions, Step, Winding, residual_tolerance};
@@ -53,6 +55,8 @@ pub struct Search<'a, const N: usize, S = f64> {
     accepted: u32,
     /// Whether a step had roots so near to each other, or so uncertain, that two branches may have met.
     doubtful: bool,
+    /// Whether solutions that are off were brought nearer to their target: then those that stay off miss it.
+    polished: bool,
 }
 
 /// Why a branch ended.
@@ -85,6 +89,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             failure: None,
             accepted: 0,
             doubtful: false,
+            polished: false,
         }
     }
 
@@ -117,10 +122,14 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     /// Where nothing was: the failure of the branch that came furthest; of several at the same step, the one that
     /// failed by least.
     pub fn finish(self) -> Result<Solutions<N, S>, IkError<S>> {
-        if self.solutions.is_empty() {
+        let mut solutions = self.solutions;
+        if self.polished {
+            solutions.drop_misses(self.reach);
+        }
+        if solutions.is_empty() {
             return Err(self.failure.map_or(IkError::NotFinite, |failure| failure.error));
         }
-        Ok(self.solutions)
+        Ok(solutions)
     }
 
     fn fail(&mut self, depth: u32, miss: S, error: IkError<S>) {
@@ -154,7 +163,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             return self.singular(step, gap, scale);
         }
         self.mark_free(step);
-        Roots::any(step, self.accepted)
+        Roots::any(step, S::ZERO, self.accepted)
     }
 
     fn mark_free(&mut self, step: Step) {

@@ -46,6 +46,10 @@ pub struct Solutions<const N: usize, S = f64> {
 /// far apart, within a small factor.
 const DUPLICATE: f64 = 16.0;
 
+/// What is left of the error (reaches, rad) of a polished solution, at most, in machine epsilons: 4e-12 in f64. A branch that
+/// ends short of its target, at an edge of the workspace, is off by more than that, or there is nothing to tell them apart.
+const EXACT: f64 = 16_384.0;
+
 impl<const N: usize, S: Float> Solutions<N, S> {
     pub(crate) const fn empty() -> Self {
         let nothing =
@@ -80,6 +84,38 @@ impl<const N: usize, S: Float> Solutions<N, S> {
             self.len += 1;
         } else {
             self.dropped += 1;
+        }
+    }
+
+    /// Adds a solution to those that are sorted by their joint travel from `q`. Where the set is full, the farthest is
+    /// counted in [`Solutions::dropped`] instead.
+    pub(crate) fn insert_by_distance(&mut self, solution: Solution<N, S>, q: &[S; N]) {
+        let own = travel(&solution.q, q);
+        let place = self.iter().position(|other| own < travel(&other.q, q)).unwrap_or(self.len);
+        if self.len == MAX_SOLUTIONS {
+            self.dropped += 1;
+        } else {
+            self.len += 1;
+        }
+        let mut moved = solution;
+        for slot in self.as_mut_slice().iter_mut().skip(place) {
+            core::mem::swap(slot, &mut moved);
+        }
+    }
+
+    /// Leaves only solutions that meet their target to this, where there are any.
+    pub(crate) fn drop_misses(&mut self, reach: S) {
+        let most = S::from_f64(EXACT) * S::EPSILON;
+        let meets = |solution: &Solution<N, S>| {
+            solution.position_error <= most * reach && solution.rotation_error <= most
+        };
+        if !self.as_slice().iter().any(meets) {
+            return;
+        }
+        let all = self.items;
+        let len = core::mem::take(&mut self.len);
+        for solution in all.iter().take(len).filter(|solution| meets(solution)) {
+            self.append(*solution);
         }
     }
 

@@ -12,6 +12,10 @@ fn scalars<'p>(steps: &'p mut [Step], found: &mut Vec<&'p mut Scalar>) {
         match step {
             Step::Let { value, .. } => found.push(value),
             Step::SinCos { angle, .. } => found.push(angle),
+            Step::General { given, body, .. } => {
+                found.extend(given);
+                scalars(body, found);
+            }
             Step::Accept { q, tool, .. } => {
                 found.extend(q);
                 found.extend(tool);
@@ -19,6 +23,7 @@ fn scalars<'p>(steps: &'p mut [Step], found: &mut Vec<&'p mut Scalar>) {
             Step::Solve { equation, body, .. } => {
                 match equation {
                     Equation::Trig { a, b, c } | Equation::Quadratic { a, b, c } => found.extend([a, b, c]),
+                    Equation::TrigUnit { row, others } => found.extend(row.iter_mut().chain(others)),
                     Equation::TrigPair { first, second } => found.extend(first.iter_mut().chain(second)),
                     Equation::Linear { a, c } => found.extend([a, c]),
                 }

@@ -1,27 +1,30 @@
-//! A joint that a target leaves free: one of its values, with which the rest can be solved.
+//! A joint that a target leaves free, or next to free: one of its values, with which the rest can be solved.
 
 use super::{DEPTH_OF_MISSED, Failure, Search};
 use crate::{Float, Step};
 
-/// Values tried at even distances: multiples of an eighth of half a turn, or of the reach.
+/// Values of a free joint that are tried at even distances: multiples of an eighth of half a turn, or of the reach.
 const EVEN: u32 = 16;
 
-/// Golden section of the two intervals next to the best of those: the interval left is 0.618^60 = 3e-13 of them.
+/// Golden section of an interval: what is left of it is 0.618^60 = 3e-13.
 const REFINED: u32 = 60;
 
 /// The ratio by which a golden section divides: (sqrt(5) - 1) / 2.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// The state of a free step: values are tried until one of them leads to a solution.
+/// The state of a step whose coefficients vanish, or nearly do: values are tried until one of them leads to a solution.
 ///
-/// First 0, then even steps away from it. What may be wrong with a value is that a later step leaves its domain, and by
-/// how much is a smooth function of the value between the edges of domains; so at last the least failure is looked for,
-/// by golden section about the best value so far.
+/// What may be wrong with a value is that a later step leaves its domain, and by how much is a smooth function of the
+/// value between the edges of domains. So where no value at even distances will do, the least failure is looked for by
+/// golden section about the best of them. A root that is known to a few digits only is the first value, and the interval
+/// that it may be in is searched.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Free<S> {
     step: Step,
+    /// Whether any value meets the equation; else only those in the interval.
+    any: bool,
     tried: u32,
-    value: S,
+    pub(super) value: S,
     /// How many solutions there were before.
     accepted: u32,
     /// The failure before, and the best one since with the value that led to it.
@@ -33,8 +36,9 @@ pub(super) struct Free<S> {
 }
 
 impl<const N: usize, S: Float> Search<'_, N, S> {
-    /// The next value of a free step, if none led to a solution yet.
+    /// The next value of a step, if none led to a solution yet.
     #[cold]
+    #[inline(never)]
     pub(super) fn next_value(&mut self, mut free: Free<S>) -> (Option<S>, Free<S>) {
         if free.tried == 0 {
             free.outer = self.failure.take();
@@ -46,11 +50,11 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             }
             free.note(failure);
         }
-        let value = if free.tried < EVEN { Some(free.even(self.reach)) } else { free.refined(self.reach) };
+        let value = free.next(self.reach);
         free.tried += 1;
-        if value.is_some() {
+        if value.is_some() && free.any {
             self.mark_free(free.step);
-        } else {
+        } else if value.is_none() {
             self.failure = free.outer;
             if let Some((_, best)) = free.best {
                 self.fail(best.depth, best.miss, best.error);
@@ -62,11 +66,13 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
 }
 
 impl<S: Float> Free<S> {
-    pub(super) fn new(step: Step, accepted: u32) -> Self {
+    /// Of a step that any value meets; `value` is the first to be tried.
+    pub(super) fn any(step: Step, value: S, accepted: u32) -> Self {
         Self {
             step,
+            any: true,
             tried: 0,
-            value: S::ZERO,
+            value,
             accepted,
             outer: None,
             best: None,
@@ -75,22 +81,39 @@ impl<S: Float> Free<S> {
         }
     }
 
-    /// Half a turn, or the reach (m).
-    fn half_range(&self, reach: S) -> S {
-        if self.step.prismatic { reach } else { S::PI }
+    /// Of a root that is somewhere in an interval.
+    pub(super) fn about(step: Step, root: S, uncertainty: S, accepted: u32) -> Self {
+        let interval = [root - uncertainty, root + uncertainty];
+        Self { any: false, interval, ..Self::any(step, root, accepted) }
     }
 
-    /// 0, then the even steps: quarters first.
-    fn even(&self, reach: S) -> S {
-        // 0 4 8 -4, 2 6 -6 -2, and the odd ones.
-        const ORDER: [i8; EVEN as usize] = [0, 4, -4, 8, 2, -2, 6, -6, 1, -1, 3, -3, 5, -5, 7, -7];
-        let eighths = ORDER.get(self.tried as usize).copied().unwrap_or(0);
-        S::from_f64(f64::from(eighths) / 8.0) * self.half_range(reach)
+    fn next(&mut self, reach: S) -> Option<S> {
+        if self.tried == 0 {
+            return Some(self.value);
+        }
+        // Half a turn, or the reach (m).
+        let half_range = if self.step.prismatic { reach } else { S::PI };
+        let even = if self.any { EVEN } else { 0 };
+        if self.tried <= even {
+            // Quarter turns first, then eighths, then sixteenths.
+            const ORDER: [i8; EVEN as usize] = [0, 4, -4, 8, 2, -2, 6, -6, 1, -1, 3, -3, 5, -5, 7, -7];
+            let eighths = ORDER.get(self.tried as usize - 1).copied().unwrap_or(0);
+            return Some(S::from_f64(f64::from(eighths) / 8.0) * half_range);
+        }
+        if self.tried > even + REFINED {
+            return None;
+        }
+        if self.any && self.tried == even + 1 {
+            let (value, _) = self.best?;
+            let step = half_range / S::from_f64(8.0);
+            self.interval = [value - step, value + step];
+        }
+        self.refined()
     }
 
     fn note(&mut self, failure: Option<Failure<S>>) {
         let Some(failure) = failure else { return };
-        if self.tried > EVEN {
+        if self.tried > if self.any { EVEN + 1 } else { 1 } {
             let [left, right] = &mut self.inner;
             *(if left.is_none() { left } else { right }) = Some(failure);
         }
@@ -107,15 +130,7 @@ impl<S: Float> Free<S> {
     }
 
     /// The next value of the golden section.
-    fn refined(&mut self, reach: S) -> Option<S> {
-        if self.tried >= EVEN + REFINED {
-            return None;
-        }
-        if self.tried == EVEN {
-            let (value, _) = self.best?;
-            let step = self.half_range(reach) / S::from_f64(8.0);
-            self.interval = [value - step, value + step];
-        }
+    fn refined(&mut self) -> Option<S> {
         if let [Some(below), Some(above)] = self.inner {
             let [from, to] = self.interval;
             let [left, right] = self.points();

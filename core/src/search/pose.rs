@@ -60,6 +60,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             return;
         }
         self.doubtful = true;
+        self.polished = true;
         let better = polish(q, target, self.reach, STEPS, pose_and_jacobian);
         self.accept(better.q, better.position_error, better.rotation_error);
     }

@@ -57,14 +57,20 @@ impl<S: Float> Roots<S> {
         Self { first: Some(first), second: Some(second), free: None }
     }
 
-    /// Any value, of a step whose coefficients vanish; `accepted` candidates were taken before.
-    pub(super) fn any(step: Step, accepted: u32) -> Self {
-        Self { first: Some(Root::Value(S::ZERO)), second: None, free: Some(Free::new(step, accepted)) }
+    /// Any value, of a step whose coefficients vanish; the first is `value`, and `accepted` candidates were taken before.
+    pub(super) fn any(step: Step, value: S, accepted: u32) -> Self {
+        Self { first: None, second: None, free: Some(Free::any(step, value, accepted)) }
     }
 
-    /// How many roots there are.
+    /// A root (rad or m) that may be off by as much as `uncertainty`.
+    pub(super) fn about(step: Step, root: S, uncertainty: S, accepted: u32) -> Self {
+        Self { first: None, second: None, free: Some(Free::about(step, root, uncertainty, accepted)) }
+    }
+
+    /// How many roots there are; any value counts as one.
     pub fn len(&self) -> usize {
-        usize::from(self.first.is_some()) + usize::from(self.second.is_some())
+        let roots = usize::from(self.first.is_some()) + usize::from(self.second.is_some());
+        roots + usize::from(self.free.is_some())
     }
 
     /// Whether there are none.
@@ -80,12 +86,13 @@ impl<S: Float> Roots<S> {
     }
 }
 
-/// The roots (rad or m); of any value, 0.
+/// The roots (rad or m); of any value, the first to be tried.
 impl<S: Float> IntoIterator for Roots<S> {
     type Item = S;
-    type IntoIter = core::iter::Flatten<core::array::IntoIter<Option<S>, 2>>;
+    type IntoIter = core::iter::Flatten<core::array::IntoIter<Option<S>, 3>>;
     fn into_iter(self) -> Self::IntoIter {
-        [self.first, self.second].map(|root| root.map(Root::value)).into_iter().flatten()
+        let [first, second] = [self.first, self.second].map(|root| root.map(Root::value));
+        [first, second, self.free.map(|free| free.value)].into_iter().flatten()
     }
 }
 

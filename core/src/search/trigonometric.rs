@@ -14,6 +14,9 @@ const UNRELIABLE: f64 = 1e-3;
 /// however wrong that size: its rounding is the same in both.)
 const WEAK: f64 = 0.125;
 
+/// From here on r² = h² - c², in units of h², is as good as (h - c)(h + c).
+const WELL_INSIDE: f64 = 1.0 / 64.0;
+
 /// A root is one of two that part clearly where the square of the sine of half their distance is more than this many
 /// machine epsilons: 5e-7 rad in f64, three times what counts as the same solution.
 const CLEAR: f64 = 1024.0;
@@ -36,7 +39,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let scale = self.begin(step);
         let square = a * a + b * b;
         let rest = square - c * c;
-        if rest > S::from_f64(CLEAR) * S::EPSILON * square && square > scale.tolerance * scale.tolerance {
+        if rest > S::from_f64(WELL_INSIDE) * square && square > scale.tolerance * scale.tolerance {
             return both(a, b, c, rest.sqrt(), S::ONE / square);
         }
         self.trig_at_edge(step, [a, b, c], &scale)
@@ -88,7 +91,6 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     #[cold]
     #[inline(never)]
     fn trig_at_edge(&mut self, step: Step, [a, b, c]: [S; 3], scale: &Scale<S>) -> Roots<S> {
-        self.doubtful = true;
         let h = size(a, b);
         if !(h.is_finite() && c.is_finite()) {
             return self.not_finite(step);
@@ -101,11 +103,13 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             return self.unreachable(step, excess, h, scale);
         }
         let (a, b) = (a / h, b / h);
+        let rest = (h - c) * (h + c);
+        self.doubtful |= rest <= S::from_f64(CLEAR) * S::EPSILON * h * h || h <= scale.tolerance;
         if excess >= -(S::from_f64(DOUBLE_ROOT) * S::EPSILON * scale.size.max(h)) {
             let (cos, sin) = if c < S::ZERO { (-a, -b) } else { (a, b) };
             return Roots::one(Root::Angle { sin, cos });
         }
-        both(a, b, c / h, ((h - c) * (h + c)).sqrt() / h, S::ONE)
+        both(a, b, c / h, rest.sqrt() / h, S::ONE)
     }
 
     /// [`Search::trig_unit`] where its fast way doesn't apply; `rest` is the square root.
@@ -182,7 +186,13 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             return self.degenerate(step, gap, scale);
         }
         let (cosine, sine) = (cosine / length, sine / length);
-        let (sin, cos) = gauss_newton(first, second, cosine, sine).sin_cos();
+        let change = gauss_newton(first, second, cosine, sine);
+        if h <= scale.tolerance {
+            // Rounding of the right-hand sides, over the size of the rows.
+            let uncertainty = (scale.vanishing / h).min(S::PI);
+            return Roots::about(step, sine.atan2(cosine) + change, uncertainty, self.accepted);
+        }
+        let (sin, cos) = change.sin_cos();
         Roots::one(Root::Angle { sin: sine * cos + cosine * sin, cos: cosine * cos - sine * sin })
     }
 

@@ -63,21 +63,27 @@ pub(crate) fn every_target() -> (Model, Plan) {
     let every = [(None, Target::Pose)]
         .into_iter()
         .chain(kinds.iter().enumerate().map(|(i, (_, kind))| (Some(i), *kind)));
-    let mut add = |problem, inputs: &[&str]| {
+    let mut add = |problem, inputs: &[&str], free: &[usize]| {
         let q = [0, inputs.len() - 1].map(|i| Scalar::Value(ValueId(i))).to_vec();
         plan.functions.push(Function {
             kind: FunctionKind::Inverse(problem),
             inputs: inputs.len(),
+            free: free.to_vec(),
             values: inputs.iter().map(|name| (*name).to_owned()).collect(),
-            steps: vec![Step::Accept { q }],
+            steps: vec![accept(q)],
             outputs: Vec::new(),
             counts: Counts::default(),
             stages: Vec::new(),
         });
     };
-    every.for_each(|(problem, target)| add(problem, target.input_names()));
-    add(Some(kinds.len()), &["px", "py", "q2"]);
+    every.for_each(|(problem, target)| add(problem, target.input_names(), &[]));
+    add(Some(kinds.len()), &["px", "py", "q2"], &[1]);
     (model, plan)
+}
+
+/// A candidate that forward kinematics judges.
+fn accept(q: Vec<Scalar>) -> Step {
+    Step::Accept { q, tool: Vec::new(), polish: false }
 }
 
 /// theta2 from the distance, then theta1 from both rows of the position.
@@ -95,11 +101,12 @@ fn planar_inverse(problem: usize, a1: &Scalar, a2: &Scalar) -> Function {
         Step::Solve {
             stage: 1,
             root: theta1,
+            sin_cos: None,
             equation: Equation::TrigPair {
                 first: [v(k1), Scalar::Neg(Box::new(v(k2))), v(px)],
                 second: [v(k2), v(k1), v(py)],
             },
-            body: vec![Step::Accept { q: vec![v(theta1), v(theta2)] }],
+            body: vec![accept(vec![v(theta1), v(theta2)])],
         },
     ];
     let trig = Equation::Trig {
@@ -111,7 +118,8 @@ fn planar_inverse(problem: usize, a1: &Scalar, a2: &Scalar) -> Function {
         kind: FunctionKind::Inverse(Some(problem)),
         values: values.map(str::to_owned).to_vec(),
         inputs: 2,
-        steps: vec![Step::Solve { stage: 0, root: theta2, equation: trig, body }],
+        free: Vec::new(),
+        steps: vec![Step::Solve { stage: 0, root: theta2, sin_cos: None, equation: trig, body }],
         outputs: Vec::new(),
         counts: Counts { mul: 8, add: 4, sincos: 1, angle_add: 0 },
         stages: vec![
@@ -146,17 +154,20 @@ fn polar_inverse(a2: Scalar) -> Function {
         Step::Solve {
             stage: 1,
             root: d2,
+            sin_cos: None,
             equation: Equation::Linear { a: Scalar::Number(1.0), c: along },
-            body: vec![Step::Accept { q: vec![q1, v(d2)] }],
+            body: vec![accept(vec![q1, v(d2)])],
         },
     ];
     Function {
         kind: FunctionKind::Inverse(Some(0)),
         values: values.map(str::to_owned).to_vec(),
         inputs: 2,
+        free: Vec::new(),
         steps: vec![Step::Solve {
             stage: 0,
             root: theta1,
+            sin_cos: None,
             equation: Equation::Trig { a: v(px), b: v(py), c: a2 },
             body,
         }],

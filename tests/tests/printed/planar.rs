@@ -191,7 +191,7 @@ impl Planar2R {
     ///           (rows 1 and 2 of the x axis in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 6 multiplications, 4 additions, 1 sine-cosine pair.
+    /// Besides solving, on each branch: 14 multiplications, 8 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -423,25 +423,30 @@ fn solve_pose(target: &Target) -> Result<Solutions<2>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Ratio);
 
-    let target = target.validate_as(TargetKind::Pose)?;
-    let [r11, _, _, px, r21, _, _, py, _, _, _, _] = target.numbers().array();
+    let pose = target.validate_pose()?;
+    let [r11, _, _, px, r21, _, _, py, _, _, _, _] = pose.rows();
     let mut search = Search::new(REACH, &WINDINGS);
     let px0 = px - A2 * r11;
     let py0 = py - A2 * r21;
 
     // theta1: a1 c1 = px0; a1 s1 = py0 (rows 1 and 2 of the position in frame 0)
     let mut roots = search.trig_pair(THETA1, [A1, 0.0, px0], [0.0, A1, py0]);
-    while let Some(theta1) = search.next(&mut roots) {
-        let (s1, c1) = Float::sin_cos(theta1);
+    while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
         let xx1 = r11 * c1 + r21 * s1;
         let xy1 = r21 * c1 - r11 * s1;
 
         // theta2: c2 = xx1; s2 = xy1 (rows 1 and 2 of the x axis in frame 1)
         let mut roots = search.trig_pair(THETA2, [1.0, 0.0, xx1], [0.0, 1.0, xy1]);
-        while let Some(theta2) = search.next(&mut roots) {
+        while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+            let c12 = c1 * c2 - s1 * s2;
+            let s12 = s1 * c2 + c1 * s2;
+
             let q = [theta1, theta2];
-            let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
-            search.accept(q, position_error, rotation_error);
+            let tool = Frame {
+                rotation: [[c12, -s12, 0.0], [s12, c12, 0.0], [0.0, 0.0, 1.0]],
+                translation: [A2 * c12 + A1 * c1, A2 * s12 + A1 * s1, 0.0],
+            };
+            search.accept_pose(q, &tool, &pose, pose_and_jacobian);
         }
     }
     search.finish()
@@ -464,14 +469,14 @@ fn solve_xy(target: &Target) -> Result<Solutions<2>, IkError> {
         0.0,
         px * px + py * py - A1 * A1 - A2 * A2,
     );
-    while let Some(theta2) = search.next(&mut roots) {
+    while let Some((theta2, _, _)) = search.next_angle(&mut roots) {
         let (s2, c2) = Float::sin_cos(theta2);
         let k1 = A1 + A2 * c2;
         let k2 = A2 * s2;
 
         // theta1: k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py (rows 1 and 2 of the position)
         let mut roots = search.trig_pair(THETA1, [k1, -k2, px], [k2, k1, py]);
-        while let Some(theta1) = search.next(&mut roots) {
+        while let Some((theta1, _, _)) = search.next_angle(&mut roots) {
             let q = [theta1, theta2];
             let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
             search.accept(q, position_error, rotation_error);
@@ -497,14 +502,14 @@ fn solve_elbow_up(target: &Target) -> Result<Solutions<2>, IkError> {
         0.0,
         px * px + py * py - A1 * A1 - A2 * A2,
     );
-    while let Some(theta2) = search.next(&mut roots) {
+    while let Some((theta2, _, _)) = search.next_angle(&mut roots) {
         let (s2, c2) = Float::sin_cos(theta2);
         let k1 = A1 + A2 * c2;
         let k2 = A2 * s2;
 
         // theta1: k1 c1 - k2 s1 = px, k2 c1 + k1 s1 = py (rows 1 and 2 of the position)
         let mut roots = search.trig_pair(THETA1, [k1, -k2, px], [k2, k1, py]);
-        while let Some(theta1) = search.next(&mut roots) {
+        while let Some((theta1, _, _)) = search.next_angle(&mut roots) {
             let q = [theta1, theta2];
             let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
             // where theta2 <= 0

@@ -171,7 +171,7 @@ impl Polar {
     ///           (row 3 of the position in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 4 multiplications, 3 additions, 1 sine-cosine pair.
+    /// Besides solving, on each branch: 8 multiplications, 5 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -348,14 +348,13 @@ fn solve_pose(target: &Target) -> Result<Solutions<2>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Ratio);
     const D2: Step = Step::new(1, 0b10, true, Measure::Length);
 
-    let target = target.validate_as(TargetKind::Pose)?;
-    let [r11, _, _, px, r21, _, _, py, _, _, _, _] = target.numbers().array();
+    let pose = target.validate_pose()?;
+    let [r11, _, _, px, r21, _, _, py, _, _, _, _] = pose.rows();
     let mut search = Search::new(REACH, &WINDINGS);
 
     // theta1: c1 = r11; s1 = r21 (rows 1 and 2 of the x axis in frame 0)
     let mut roots = search.trig_pair(THETA1, [1.0, 0.0, r11], [0.0, 1.0, r21]);
-    while let Some(theta1) = search.next(&mut roots) {
-        let (s1, c1) = Float::sin_cos(theta1);
+    while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
         let px0 = px - A2 * r11;
         let py0 = py - A2 * r21;
         let z1 = px0 * s1 - py0 * c1;
@@ -364,8 +363,11 @@ fn solve_pose(target: &Target) -> Result<Solutions<2>, IkError> {
         let mut roots = search.linear(D2, -1.0, -z1);
         while let Some(d2) = search.next(&mut roots) {
             let q = [theta1 - FRAC_PI_2, d2];
-            let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
-            search.accept(q, position_error, rotation_error);
+            let tool = Frame {
+                rotation: [[c1, 0.0, s1], [s1, 0.0, -c1], [0.0, 1.0, 0.0]],
+                translation: [A2 * c1 + s1 * d2, A2 * s1 - c1 * d2, 0.0],
+            };
+            search.accept_pose(q, &tool, &pose, pose_and_jacobian);
         }
     }
     search.finish()
@@ -383,7 +385,7 @@ fn solve_xy(target: &Target) -> Result<Solutions<2>, IkError> {
 
     // theta1: px c1 + py s1 = a2 (row 1 of the position in frame 1)
     let mut roots = search.trig(THETA1, px, py, A2);
-    while let Some(theta1) = search.next(&mut roots) {
+    while let Some((theta1, _, _)) = search.next_angle(&mut roots) {
         let (s1, c1) = Float::sin_cos(theta1);
 
         // d2: d2 = px s1 - py c1 (row 3 of the position in frame 1)
