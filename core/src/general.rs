@@ -106,7 +106,14 @@ pub struct Chart {
 
 impl Chart {
     /// A choice of joints.
-    pub const fn new(dropped: u8, backward: bool, hidden: u8, swapped: bool, divided: bool, degree: u8) -> Self {
+    pub const fn new(
+        dropped: u8,
+        backward: bool,
+        hidden: u8,
+        swapped: bool,
+        divided: bool,
+        degree: u8,
+    ) -> Self {
         Self { dropped, backward, hidden, swapped, divided, degree }
     }
 
@@ -178,7 +185,13 @@ impl SixJoints<'_> {
     }
 
     /// Solutions for a pose, by Newton's method from those for a pose next to it.
-    fn solve_from(&self, chart: Chart, from: &Frame, pose: &Frame, found: &mut impl FnMut(&Polished<JOINTS>)) -> Outcome {
+    fn solve_from(
+        &self,
+        chart: Chart,
+        from: &Frame,
+        pose: &Frame,
+        found: &mut impl FnMut(&Polished<JOINTS>),
+    ) -> Outcome {
         let scaled = self.scaled();
         let circuit = scaled.circuit(chart, &self.in_reaches(from));
         let Some(resultant) = Resultant::new(&circuit, chart) else {
@@ -258,7 +271,8 @@ impl SixJoints<'_> {
 
     /// With lengths in reaches.
     fn scaled(&self) -> Self {
-        let links = self.links.map(|link| Frame { translation: link.translation.map(|x| x / self.reach), ..link });
+        let links =
+            self.links.map(|link| Frame { translation: link.translation.map(|x| x / self.reach), ..link });
         Self { links, ..*self }
     }
 }

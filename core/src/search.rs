@@ -2,8 +2,8 @@
 //! accepted or refused, and where nothing is found the failure that came furthest says why.
 
 mod conditions;
-mod general;
 mod free;
+mod general;
 mod polynomial;
 mod pose;
 mod roots;

@@ -28,7 +28,9 @@ pub mod port;
 pub mod simulate;
 pub mod unit;
 mod wheels;
+mod workspace_edge;
 
 pub use driver::{Driver, DriverError};
 pub use motion::Command;
 pub use wheels::wheel_speeds;
+pub use workspace_edge::workspace_edge;

@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a corpus that cannot be read is a broken test")]
 
-#[path = "../fuzz/bodies.rs"]
+#[path = "../fuzz/bodies/mod.rs"]
 mod bodies;
 
 use std::fs;
@@ -70,15 +70,30 @@ fn run(target: &str, body: fn(&[u8]), rounds: usize) {
 
 #[test]
 fn dynamixel_packets() {
-    run("dynamixel_packets", bodies::dynamixel_packets, 100_000);
+    run("dynamixel_packets", bodies::dynamixel::packets, 100_000);
 }
 
 #[test]
 fn dynamixel_bus() {
-    run("dynamixel_bus", bodies::dynamixel_bus, 10_000);
+    run("dynamixel_bus", bodies::dynamixel::bus, 10_000);
 }
 
 #[test]
 fn dynamixel_servos() {
-    run("dynamixel_servos", bodies::dynamixel_servos, 20_000);
+    run("dynamixel_servos", bodies::dynamixel::servos, 20_000);
+}
+
+#[test]
+fn mycobot_frames() {
+    run("mycobot_frames", bodies::mycobot::frames, 100_000);
+}
+
+#[test]
+fn mycobot_driver() {
+    run("mycobot_driver", bodies::mycobot::driver, 3_000);
+}
+
+#[test]
+fn mycobot_arm() {
+    run("mycobot_arm", bodies::mycobot::arm, 10_000);
 }

@@ -38,7 +38,8 @@ impl Function {
                 }
                 Step::General { chain, roots, body, .. } => {
                     let joints = chain.prismatic.iter().enumerate();
-                    let slides = joints.filter(|(place, _)| !chain.given.contains(place)).map(|(_, slides)| *slides);
+                    let slides =
+                        joints.filter(|(place, _)| !chain.given.contains(place)).map(|(_, slides)| *slides);
                     for (root, slides) in roots.iter().zip(slides) {
                         set(dimensions, *root, u8::from(slides));
                     }

@@ -70,7 +70,10 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
             values.push(name(joint, &mut behind));
         }
     }
-    let q = general.q.iter().map(|form| sum(form, |place| joints.get(place).cloned().unwrap_or(Scalar::Number(0.0))));
+    let q = general
+        .q
+        .iter()
+        .map(|form| sum(form, |place| joints.get(place).cloned().unwrap_or(Scalar::Number(0.0))));
     let body = vec![Step::Accept { q: q.collect(), tool: Vec::new(), polish: false }];
     let chain = GeneralChain { charts, ..chain };
     Ok(Function {
@@ -127,7 +130,9 @@ fn sum(form: &Linear, value: impl Fn(usize) -> Scalar) -> Scalar {
     match sum {
         None => Scalar::Number(form.constant),
         Some(sum) if form.constant == 0.0 => sum,
-        Some(sum) if form.constant < 0.0 => Scalar::Sub(Box::new(sum), Box::new(Scalar::Number(-form.constant))),
+        Some(sum) if form.constant < 0.0 => {
+            Scalar::Sub(Box::new(sum), Box::new(Scalar::Number(-form.constant)))
+        }
         Some(sum) => Scalar::Add(Box::new(sum), Box::new(Scalar::Number(form.constant))),
     }
 }

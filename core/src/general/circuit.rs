@@ -69,7 +69,8 @@ impl Circuit {
             for (j, four) in quarters(self.slides(4), at4).iter().enumerate() {
                 let carried = carried.by(four).moved(&third);
                 for (i, three) in quarters(self.slides(3), at3).iter().enumerate() {
-                    let place = products.get_mut(i).and_then(|list| list.get_mut(j)).and_then(|list| list.get_mut(k));
+                    let place =
+                        products.get_mut(i).and_then(|list| list.get_mut(j)).and_then(|list| list.get_mut(k));
                     if let Some(place) = place {
                         *place = carried.by(three).moved(&near).products();
                     }
@@ -84,8 +85,11 @@ impl Circuit {
     pub(super) fn rest(&self, known: [f64; 3]) -> [Option<[f64; JOINTS]>; 2] {
         let [first, between, near, third, fourth, fifth] = self.links;
         let [x, y, z] = known;
-        let step = |place: usize, value: f64, link: &Frame| Motion::new(self.slides(place), value).frame().compose(link);
-        let far = near.compose(&step(3, x, &third)).compose(&step(4, y, &fourth)).compose(&step(5, z, &fifth));
+        let step = |place: usize, value: f64, link: &Frame| {
+            Motion::new(self.slides(place), value).frame().compose(link)
+        };
+        let far =
+            near.compose(&step(3, x, &third)).compose(&step(4, y, &fourth)).compose(&step(5, z, &fifth));
         let line = Line::AXIS.moved(&far);
         let wanted = line.invariants(self.slides(2));
         let axis = Line::AXIS.moved(&first.inverse());
@@ -96,7 +100,8 @@ impl Circuit {
             let one = one?;
             let motion = Motion::new(self.slides(1), one);
             let two = line.turn_to(&seen(&motion), self.slides(2));
-            let pair = first.compose(&step(1, one, &between)).compose(&Motion::new(self.slides(2), two).frame());
+            let pair =
+                first.compose(&step(1, one, &between)).compose(&Motion::new(self.slides(2), two).frame());
             // What is left is the inverse of the joint that was dropped.
             let left = pair.compose(&far).inverse();
             let [_, _, along] = left.translation;
@@ -159,13 +164,20 @@ fn fit(prismatic: bool, [at0, at1, at2]: [&[f64; 6]; 3], wanted: &[f64; 6]) -> [
         return [Some(0.0), None];
     }
     // One equation only: a u + b v = c along the principal direction.
-    let (a, b) = if aa >= bb { (libm::sqrt(aa), ab / libm::sqrt(aa)) } else { (ab / libm::sqrt(bb), libm::sqrt(bb)) };
+    let (a, b) =
+        if aa >= bb { (libm::sqrt(aa), ab / libm::sqrt(aa)) } else { (ab / libm::sqrt(bb), libm::sqrt(bb)) };
     let c = if aa >= bb { ac / libm::sqrt(aa) } else { bc / libm::sqrt(bb) };
     if prismatic {
         return roots_of_square(b, a, -c);
     }
     let size = libm::sqrt(a * a + b * b);
-    let ratio = if c > size { 1.0 } else if c < -size { -1.0 } else { c / size };
+    let ratio = if c > size {
+        1.0
+    } else if c < -size {
+        -1.0
+    } else {
+        c / size
+    };
     let (middle, half) = (libm::atan2(b, a), libm::acos(ratio));
     [Some(middle + half), Some(middle - half)]
 }

@@ -30,10 +30,7 @@ impl Line {
 
     /// Given in a frame: where it is in the frame that this one is given in.
     pub(super) fn moved(&self, frame: &Frame) -> Self {
-        Self {
-            point: frame.transform_point(self.point),
-            direction: frame.transform_vector(self.direction),
-        }
+        Self { point: frame.transform_point(self.point), direction: frame.transform_vector(self.direction) }
     }
 
     /// Moved by a joint.

@@ -1,10 +1,10 @@
 //! The polynomial in the hidden joint.
 
+use super::Chart;
 use super::circuit::Circuit;
 use super::line::PRODUCTS;
 use super::linear::{determinant, eliminate, null_vector, solve};
 use super::waves::{MAX_DEGREE, Waves};
-use super::Chart;
 
 /// Where half-angle tangents are counted from (rad): no place that a target is likely to ask for.
 const OFFSETS: [f64; 3] = [0.0, 0.734_5, -0.412_3];
@@ -63,7 +63,9 @@ impl Resultant {
         // Where the two joints take fewer equations, the rest is added to the six: any six independent sums will do.
         for (index, row) in rows.iter().skip(rank).enumerate() {
             let [_, _, _, _, _, _, _, _, samples @ ..] = row;
-            let greatest = samples.iter().fold(0.0, |most: f64, x| if libm::fabs(*x) > most { libm::fabs(*x) } else { most });
+            let greatest = samples
+                .iter()
+                .fold(0.0, |most: f64, x| if libm::fabs(*x) > most { libm::fabs(*x) } else { most });
             if greatest <= 0.0 {
                 continue;
             }
@@ -80,7 +82,8 @@ impl Resultant {
         for (k, equation) in equations.iter().enumerate() {
             let samples = cube(equation);
             let samples = order(samples, chart);
-            let [hidden, first, last] = places(chart).map(|place| slides.get(place).copied().unwrap_or(false));
+            let [hidden, first, last] =
+                places(chart).map(|place| slides.get(place).copied().unwrap_or(false));
             let [at0, at1, at2] = samples.map(|face| {
                 let face = face.map(|row| powers(row, last));
                 let [a, b, c] = face;
@@ -115,7 +118,8 @@ impl Resultant {
                 }
             }
         }
-        let factors = if chart.divided { [1.0, -1.0].map(|sense| factor(&triple, chart, sense)) } else { [UNITY; 2] };
+        let factors =
+            if chart.divided { [1.0, -1.0].map(|sense| factor(&triple, chart, sense)) } else { [UNITY; 2] };
         Some(Self { parts, factors, chart, slides })
     }
 
@@ -152,8 +156,7 @@ impl Resultant {
         let mut product = 1.0;
         for [[a, b], [c, d], [e, f]] in self.factors {
             let (real, imaginary) = (c + e * cos - f * sin, d + e * sin + f * cos);
-            let (real, imaginary) =
-                (a + real * cos - imaginary * sin, b + real * sin + imaginary * cos);
+            let (real, imaginary) = (a + real * cos - imaginary * sin, b + real * sin + imaginary * cos);
             product *= real * real + imaginary * imaginary;
         }
         product
@@ -216,7 +219,9 @@ impl Resultant {
         let square = |v: [f64; 3]| crate::frame::dot(v, v);
         // t is the ratio of two of these three vectors: of those that are not next to 0.
         let (below, above) = if square(first) > square(last) { (first, middle) } else { (middle, last) };
-        let greatest = [first, middle, last].into_iter().fold(middle, |most, v| if square(v) > square(most) { v } else { most });
+        let greatest = [first, middle, last]
+            .into_iter()
+            .fold(middle, |most, v| if square(v) > square(most) { v } else { most });
         let mut index = 0;
         let mut most = -1.0;
         for (k, (a, b)) in below.iter().zip(above).enumerate() {
@@ -323,7 +328,8 @@ fn factor(triple: &[[[super::line::Products; 3]; 3]; 3], chart: Chart, sense: f6
     let mut best = UNITY;
     let mut greatest = 0.0;
     for product in 0..PRODUCTS {
-        let samples = triple.map(|face| face.map(|row| row.map(|at| at.get(product).copied().unwrap_or(0.0))));
+        let samples =
+            triple.map(|face| face.map(|row| row.map(|at| at.get(product).copied().unwrap_or(0.0))));
         let [at0, at1, at2] = order(samples, chart).map(|face| {
             let [y0, y1, y2] = face.map(|row| wave(row.map(|x| [x, 0.0]), sense));
             wave([y0, y1, y2], 1.0)
@@ -346,6 +352,9 @@ fn factor(triple: &[[[super::line::Products; 3]; 3]; 3], chart: Chart, sense: f6
 
 /// Twice the coefficient of exp(± i u) of what has these values at u = 0, a quarter and half a turn.
 fn wave([[a0, b0], [a1, b1], [a2, b2]]: [[f64; 2]; 3], sense: f64) -> [f64; 2] {
-    let (cosine, sine) = ([f64::midpoint(a0, -a2), f64::midpoint(b0, -b2)], [a1 - f64::midpoint(a0, a2), b1 - f64::midpoint(b0, b2)]);
+    let (cosine, sine) = (
+        [f64::midpoint(a0, -a2), f64::midpoint(b0, -b2)],
+        [a1 - f64::midpoint(a0, a2), b1 - f64::midpoint(b0, b2)],
+    );
     [cosine[0] + sense * sine[1], cosine[1] - sense * sine[0]]
 }

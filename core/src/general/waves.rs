@@ -140,7 +140,8 @@ impl Waves {
             if half <= NEARLY_MET {
                 return true;
             }
-            return libm::fabs(f) > (libm::fabs(d) + flat) * half + (libm::fabs(e) + rest) * (NEARLY_MET * NEARLY_MET / 2.0);
+            return libm::fabs(f)
+                > (libm::fabs(d) + flat) * half + (libm::fabs(e) + rest) * (NEARLY_MET * NEARLY_MET / 2.0);
         }
         let slope = (libm::fabs(e) + rest / 2.0) * half;
         if libm::fabs(d) > slope {
@@ -196,7 +197,13 @@ impl Waves {
     }
 
     /// The root between two places where the signs differ; the curve is monotonous there.
-    fn bracketed(&self, [mut low, mut high]: [f64; 2], [at_low, at_high]: [f64; 2], guess: f64, roots: &mut Roots) {
+    fn bracketed(
+        &self,
+        [mut low, mut high]: [f64; 2],
+        [at_low, at_high]: [f64; 2],
+        guess: f64,
+        roots: &mut Roots,
+    ) {
         if (at_low > 0.0) == (at_high > 0.0) {
             return;
         }

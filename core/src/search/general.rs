@@ -35,7 +35,13 @@ impl<S: Float> IntoIterator for Candidates<S> {
 impl<const N: usize, S: Float> Search<'_, N, S> {
     /// The values (rad, m) of the six joints of a chain that are not given, for a target that prescribes its tip wholly
     /// or with the help of joints at the tip that only the chain has. Computed in f64.
-    pub fn general(&mut self, step: Step, arm: &GeneralArm<'_>, target: &Target<S>, given: &[S]) -> Candidates<S> {
+    pub fn general(
+        &mut self,
+        step: Step,
+        arm: &GeneralArm<'_>,
+        target: &Target<S>,
+        given: &[S],
+    ) -> Candidates<S> {
         let _ = self.begin(step);
         let mut candidates = Candidates { list: [[S::ZERO; JOINTS]; MAX_CANDIDATES], len: 0 };
         let mut values = [0.0; crate::MAX_JOINTS];
@@ -52,7 +58,8 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let mut list = [[0.0; JOINTS]; MAX_CANDIDATES];
         let mut len = 0;
         let outcome = six.solve(&pose, |solution| {
-            let known = list.iter().take(len).any(|other| same(other, &solution.q, &six.prismatic, arm.reach));
+            let known =
+                list.iter().take(len).any(|other| same(other, &solution.q, &six.prismatic, arm.reach));
             if let Some(place) = list.get_mut(len).filter(|_| !known) {
                 *place = solution.q;
                 len += 1;

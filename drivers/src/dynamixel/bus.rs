@@ -127,7 +127,7 @@ impl Bus {
     /// # Errors
     /// [`DriverError`]
     pub fn ping(&mut self, id: u8) -> Result<Identity, DriverError> {
-        let answer = self.one("ping", instruction::ping(id), 3, true)?;
+        let answer = self.one("ping", instruction::ping(id), echo::PING_LENGTH, true)?;
         identity(id, &answer.data).ok_or_else(|| self.error("ping", Some(id), Cause::Garbled))
     }
 
@@ -141,7 +141,7 @@ impl Bus {
         let slots = u32::from(MAX_ID) + 1;
         let window = (self.wire_time(14) + PING_SLOT) * slots + self.timing.latency;
         let deadline = self.port.clock().now() + window;
-        self.echo = Echo::of((0..=MAX_ID).map(|id| (id, 3)).collect());
+        self.echo = Echo::of((0..=MAX_ID).map(|id| (id, echo::PINGED)).collect());
         let mut found: Vec<Identity> = Vec::new();
         let sent = self.send(&instruction::ping(BROADCAST), deadline);
         let outcome = sent.and_then(|()| {

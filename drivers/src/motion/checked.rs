@@ -26,6 +26,13 @@ impl Leg {
         self.commands.last().map_or(&self.start, Command::positions)
     }
 
+    /// Goes on with another one, which begins where this one ends.
+    pub(super) fn append(&mut self, next: Leg) {
+        let ends = self.duration();
+        self.times.extend(next.times.iter().map(|time| ends + time));
+        self.commands.extend(next.commands);
+    }
+
     /// The place so many setpoints after the first, in a straight line between two of them, and what the velocity is
     /// there at this part of the speed of the whole. What lies between setpoints was checked with them.
     pub(super) fn between(&self, place: f64, rate: f64) -> Command {

@@ -10,7 +10,8 @@ pub const WAY_TOLERANCE: f64 = 1e-4;
 /// Joints move this much in all (rad) at most between the places where the arm's speed is looked at.
 const SHORTEST_LOOK: f64 = 0.05;
 
-/// Checks the tool point on the straight line (in joint space) between two sets of joint values.
+/// Checks the tool point on the straight line (in joint space) between two sets of joint values. Where it is inside of
+/// something forbidden already, it may come out of it, but get no deeper.
 ///
 /// From where it has some distance to everything forbidden, the tool point must travel at least so far to get there.
 /// What is not excluded by that is halved, and looked at again \[as conservative advancement does, Mirtich 1996\]. How
@@ -23,20 +24,19 @@ pub(super) fn check(arm: &Narrowed<'_>, from: &[f64], to: &[f64]) -> Result<(), 
     let (Some(start), Some(end)) = (Look::at(arm, from), Look::at(arm, to)) else {
         return Ok(());
     };
-    if let Some(rule) = start.broken(&rules).or_else(|| end.broken(&rules)) {
-        return Err(rule);
-    }
-    between(arm, &start, &end)
+    let slack: Vec<f64> = start.depths.iter().map(|depth| depth.max(WAY_TOLERANCE)).collect();
+    end.keeps(&rules, &slack)?;
+    between(arm, &start, &end, &slack)
 }
 
-fn between(arm: &Narrowed<'_>, start: &Look, end: &Look) -> Result<(), Rule> {
-    let rules = arm.rules();
+fn between(arm: &Narrowed<'_>, start: &Look, end: &Look, slack: &[f64]) -> Result<(), Rule> {
     let turn: f64 = start.q.iter().zip(&end.q).map(|(a, b)| (b - a).abs()).sum();
     let travel = start.travel(end).max(end.travel(start));
     // Levers change by their own joints' turns: at most by the longest of them times the turn.
     let bound = travel + start.longest().max(end.longest()) * turn * turn;
-    let (before, after) = (start.clearance(&rules), end.clearance(&rules));
-    if turn <= SHORTEST_LOOK && (before + after + 2.0 * WAY_TOLERANCE >= bound || bound <= WAY_TOLERANCE) {
+    let depths = start.depths.iter().zip(&end.depths).zip(slack);
+    let clear = depths.into_iter().all(|((before, after), slack)| 2.0 * slack - before - after >= bound);
+    if turn <= SHORTEST_LOOK && (clear || bound <= WAY_TOLERANCE) {
         return Ok(());
     }
     let middle: Vec<f64> = start.q.iter().zip(&end.q).map(|(a, b)| (a + b) / 2.0).collect();
@@ -46,11 +46,9 @@ fn between(arm: &Narrowed<'_>, start: &Look, end: &Look) -> Result<(), Rule> {
     let Some(middle) = Look::at(arm, &middle) else {
         return Ok(());
     };
-    if let Some(rule) = middle.broken(&rules) {
-        return Err(rule);
-    }
-    between(arm, start, &middle)?;
-    between(arm, &middle, end)
+    middle.keeps(&arm.rules(), slack)?;
+    between(arm, start, &middle, slack)?;
+    between(arm, &middle, end, slack)
 }
 
 /// The arm in one pose.
@@ -60,6 +58,8 @@ struct Look {
     point: [f64; 3],
     /// How far the tool point moves per unit of each joint.
     levers: Vec<f64>,
+    /// How deep the tool point is in what each rule forbids, bounds first, then boxes (m); negative by its distance.
+    depths: Vec<f64>,
 }
 
 impl Look {
@@ -67,7 +67,10 @@ impl Look {
         let mut columns = vec![[0.0; 6]; q.len()];
         arm.jacobian_into(q, &mut columns).ok()?;
         let levers = columns.iter().map(|[x, y, z, ..]| (x * x + y * y + z * z).sqrt()).collect();
-        Some(Self { q: q.to_vec(), point: arm.rules_point(q).ok()?, levers })
+        let (point, rules) = (arm.rules_point(q).ok()?, arm.rules());
+        let bounds = rules.bounds.iter().map(|bound| -of_bound(bound, point));
+        let boxes = rules.keep_out.iter().map(|keep_out| -of_box(keep_out, point));
+        Some(Self { q: q.to_vec(), point, levers, depths: bounds.chain(boxes).collect() })
     }
 
     /// How far the tool point would travel to another pose with the levers of this one.
@@ -80,19 +83,14 @@ impl Look {
         self.levers.iter().copied().fold(0.0, f64::max)
     }
 
-    /// The distance of the tool point from what is forbidden; negative by its depth inside.
-    fn clearance(&self, rules: &Rules<'_>) -> f64 {
-        let bounds = rules.bounds.iter().map(|bound| of_bound(bound, self.point));
-        let boxes = rules.keep_out.iter().map(|keep_out| of_box(keep_out, self.point));
-        bounds.chain(boxes).fold(f64::INFINITY, f64::min)
-    }
-
-    /// The first rule that the tool point breaks by more than it may on the way.
-    fn broken(&self, rules: &Rules<'_>) -> Option<Rule> {
-        let bound = rules.bounds.iter().find(|bound| of_bound(bound, self.point) < -WAY_TOLERANCE);
-        let bound = bound.map(|bound| Rule::Bound { bound: *bound, value: along(bound.axis, self.point) });
-        let boxes = || rules.keep_out.iter().position(|keep| of_box(keep, self.point) < -WAY_TOLERANCE);
-        bound.or_else(|| boxes().map(|index| Rule::KeepOut { index, position: self.point }))
+    /// Whether the tool point is no deeper than it may be anywhere.
+    fn keeps(&self, rules: &Rules<'_>, slack: &[f64]) -> Result<(), Rule> {
+        let deep = self.depths.iter().zip(slack).position(|(depth, slack)| depth > slack);
+        let Some(index) = deep else { return Ok(()) };
+        Err(match rules.bounds.get(index) {
+            Some(bound) => Rule::Bound { bound: *bound, value: along(bound.axis, self.point) },
+            None => Rule::KeepOut { index: index - rules.bounds.len(), position: self.point },
+        })
     }
 }
 

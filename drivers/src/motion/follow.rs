@@ -20,8 +20,11 @@ const LEAST_SAMPLES: f64 = 24.0;
 /// Solutions that are still a long step apart after so small a part of the way are two branches.
 const SMALLEST_PART: f64 = 1e-6;
 
-/// How far joints may stand from the path's first solution (rad or m) and still count as standing on it.
+/// How far joints may stand from the path's first solution (rad, or this times [`SLIDE`] m) and still count as standing
+/// on it; and how far, so that they are brought there first. Servos do not stand quite where they were sent, and say
+/// where they stand in whole counts.
 pub(super) const ON_PATH: f64 = 1e-6;
+const NEAR_PATH: f64 = 0.05;
 
 /// How far the curve through the solutions may be from the path between them: m and rad.
 const POSITION_TOLERANCE: f64 = 1e-5;
@@ -29,6 +32,36 @@ const ROTATION_TOLERANCE: f64 = 1e-4;
 
 /// How often the step is halved where the curve is further off than that.
 const REFINEMENTS: usize = 6;
+
+/// The joints at the start of a path, for an arm that stands there or nearly so.
+pub(super) fn onto(
+    arm: &Narrowed<'_>,
+    problem: &str,
+    path: &Path,
+    start: &[f64],
+) -> Result<Vec<f64>, Reason> {
+    let first = nearest(arm, problem, &path.at(0.0), start)?;
+    let (index, step) = furthest(arm, start, &first);
+    if step <= ON_PATH {
+        return Ok(start.to_vec());
+    }
+    if step <= NEAR_PATH {
+        return Ok(first);
+    }
+    let value = |q: &[f64]| q.get(index).copied().unwrap_or(f64::NAN);
+    let joint = joint_name(arm, index);
+    Err(Reason::NotOnPath { joint, value: value(start), solution: value(&first) })
+}
+
+/// The joint that moves furthest, and how far, as a multiple of a radian or of [`SLIDE`] metres.
+fn furthest(arm: &Narrowed<'_>, from: &[f64], to: &[f64]) -> (usize, f64) {
+    let steps = from.iter().zip(to).zip(arm.joints());
+    let steps = steps.enumerate().map(|(index, ((from, to), joint))| match joint.kind {
+        JointKind::Revolute => (index, (to - from).abs()),
+        JointKind::Prismatic => (index, (to - from).abs() / SLIDE),
+    });
+    steps.fold((0, 0.0), |worst, step| if step.1 > worst.1 { step } else { worst })
+}
 
 /// The joints along a path of targets, starting from `start`; by the way made on it, as [`Path`] measures it.
 pub(super) fn joints_along(
@@ -89,10 +122,6 @@ impl Walk<'_, '_> {
     fn run(&self, start: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), Refusal> {
         let length = self.path.length();
         let (mut knots, mut values) = (vec![0.0], vec![start.to_vec()]);
-        let first = self.solve(&self.path.at(0.0), start).map_err(|reason| self.at(reason, 0, 0.0))?;
-        if let Some(reason) = self.off_path(start, &first) {
-            return Err(self.at(reason, 0, 0.0));
-        }
         self.singular(&self.path.at(0.0), start, 0, 0.0)?;
         let greatest = length / LEAST_SAMPLES;
         let mut stride = greatest;
@@ -110,7 +139,7 @@ impl Walk<'_, '_> {
                     return Err(self.at(reason, knots.len(), next));
                 }
             };
-            let longest = self.longest_step(&here, &solution);
+            let longest = furthest(self.arm, &here, &solution).1;
             if longest > self.longest {
                 if next - way > length * SMALLEST_PART {
                     stride = (next - way) / 2.0;
@@ -138,7 +167,7 @@ impl Walk<'_, '_> {
     /// What the solution that goes on from here breaks, where there is one and it breaks something.
     fn continued(&self, target: &Target, here: &[f64]) -> Option<Reason> {
         let solution = singular::solve(self.arm, self.problem, target, here)?;
-        if self.longest_step(here, &solution) > self.longest {
+        if furthest(self.arm, here, &solution).1 > self.longest {
             return None;
         }
         let violations = self.arm.check(&solution).err()?;
@@ -152,34 +181,10 @@ impl Walk<'_, '_> {
             .map_err(|error| self.at(singular(error), index, way))
     }
 
-    /// The joint that moves furthest, as a multiple of a radian or of [`SLIDE`] metres.
-    fn longest_step(&self, from: &[f64], to: &[f64]) -> f64 {
-        self.steps(from, to).map(|(_, step)| step).fold(0.0, f64::max)
-    }
-
-    fn steps<'a>(&'a self, from: &'a [f64], to: &'a [f64]) -> impl Iterator<Item = (usize, f64)> + 'a {
-        let steps = from.iter().zip(to).zip(self.arm.joints());
-        steps.enumerate().map(|(index, ((from, to), joint))| match joint.kind {
-            JointKind::Revolute => (index, (to - from).abs()),
-            JointKind::Prismatic => (index, (to - from).abs() / SLIDE),
-        })
-    }
-
-    fn furthest(&self, from: &[f64], to: &[f64]) -> (usize, f64) {
-        self.steps(from, to).fold((0, 0.0), |worst, step| if step.1 > worst.1 { step } else { worst })
-    }
-
     fn jump(&self, from: &[f64], to: &[f64]) -> Reason {
-        let (index, _) = self.furthest(from, to);
+        let (index, _) = furthest(self.arm, from, to);
         let value = |q: &[f64]| q.get(index).copied().unwrap_or(f64::NAN);
         Reason::Jump { joint: joint_name(self.arm, index), from: value(from), to: value(to) }
-    }
-
-    fn off_path(&self, start: &[f64], solution: &[f64]) -> Option<Reason> {
-        let (index, step) = self.furthest(start, solution);
-        let value = |q: &[f64]| q.get(index).copied().unwrap_or(f64::NAN);
-        let joint = joint_name(self.arm, index);
-        (step > ON_PATH).then(|| Reason::NotOnPath { joint, value: value(start), solution: value(solution) })
     }
 
     fn at(&self, reason: Reason, index: usize, way: f64) -> Refusal {

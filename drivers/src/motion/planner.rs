@@ -13,7 +13,7 @@ use super::profile::Profile;
 use super::refusal::{JointName, Reason, Refusal, Sample};
 use super::timing;
 use crate::driver::{JointMap, Pace};
-use dh_runtime::{Kinematics, Target};
+use dh_runtime::{Joint, Kinematics, Limits, Rules, SumLimit, Target};
 use std::fmt;
 use std::time::Duration;
 
@@ -26,6 +26,10 @@ const LIMIT_ROUNDING: f64 = 1e-6;
 
 /// Rounding of velocities, as a part of them.
 const VELOCITY_ROUNDING: f64 = 1e-9;
+
+/// A device that makes its own profiles is told to move its leading joint at this part of its greatest velocity at
+/// least: less than a percent or two is nothing that such devices know.
+const LEAST_PART: f64 = 0.02;
 
 /// How far the hand of a device that makes its own profiles may leave a path between two goals: m and rad.
 const GOAL_POSITION: f64 = 1e-3;
@@ -122,20 +126,27 @@ impl<'k> Planner<'k> {
                 return Err(Reason::Setting { what, value }.of_step(step));
             }
         }
-        self.allowed(start).map_err(|reason| reason.at(step, Sample { index: 0, count: 1, part: 0.0 }))?;
-        let (course, goals) = self.course(start, asked, step)?;
-        let needed = course.duration();
+        self.may_begin(start, asked)
+            .map_err(|reason| reason.at(step, Sample { index: 0, count: 1, part: 0.0 }))?;
+        let courses = self.courses(start, asked, step)?;
+        let needed = courses.iter().map(|(course, _)| course.duration()).sum();
         if let Some(allowed) = asked.within.filter(|allowed| needed > *allowed) {
             return Err(Reason::TooLong { needed, allowed }.of_step(step));
         }
-        match (self.pace, goals) {
-            (Pace::Stream { period }, _) => self.stream(start, &course, period, step),
-            (Pace::PointToPoint, goals) => self.goals(start, &course, &goals, step),
+        let mut leg = Leg { start: start.to_vec(), commands: Vec::new(), times: Vec::new() };
+        for (course, goals) in courses {
+            let from = leg.goal().to_vec();
+            leg.append(match self.pace {
+                Pace::Stream { period } => self.stream(&from, &course, period, step)?,
+                Pace::PointToPoint => self.goals(&from, &course, &goals, step)?,
+            });
         }
+        Ok(leg)
     }
 
-    /// How the joints move, and the places (times, s) that a device is sent to that makes profiles of its own.
-    fn course(&self, start: &[f64], asked: &Move, step: usize) -> Result<(Course, Vec<f64>), Refusal> {
+    /// How the joints move, from rest to rest, and the places (times, s) that a device is sent to that makes profiles of
+    /// its own.
+    fn courses(&self, start: &[f64], asked: &Move, step: usize) -> Result<Vec<(Course, Vec<f64>)>, Refusal> {
         let dynamics: Vec<Dynamics> = self.dynamics.iter().map(|limits| limits.slowed(asked.part)).collect();
         let to = |goal: &[f64]| {
             let end = Sample { index: 1, count: 2, part: 1.0 };
@@ -143,7 +154,7 @@ impl<'k> Planner<'k> {
             let profile = Profile::new(start, goal, &dynamics);
             let profile = profile.map_err(|error| Reason::Profile(error).of_step(step))?;
             let duration = profile.duration();
-            Ok((Course::Joints(profile), vec![duration]))
+            Ok(vec![(Course::Joints(profile), vec![duration])])
         };
         match &asked.goal {
             Goal::Joints(q) => to(q),
@@ -155,14 +166,19 @@ impl<'k> Planner<'k> {
                 let Some(path) = self.path(start, through).map_err(|reason| reason.of_step(step))? else {
                     return to(start);
                 };
-                let joints = joints_along(&self.arm, problem, &path, start, step)?;
+                let first = follow::onto(&self.arm, problem, &path, start);
+                let first =
+                    first.map_err(|reason| reason.at(step, Sample { index: 0, count: 1, part: 0.0 }))?;
+                let mut courses = if first == start { Vec::new() } else { to(&first)? };
+                let joints = joints_along(&self.arm, problem, &path, &first, step)?;
                 let end = Sample { index: joints.knots().len(), count: joints.knots().len(), part: 1.0 };
                 let goal = joints.values().last().map_or(start, Vec::as_slice);
                 self.allowed(goal).map_err(|reason| reason.at(step, end))?;
                 let timing = timing::along(&self.arm, &dynamics, &joints, asked.speed, asked.part, step)?;
                 let course = Course::Path { timing, joints };
                 let goals = self.places_on(&path, &course);
-                Ok((course, goals))
+                courses.push((course, goals));
+                Ok(courses)
             }
         }
     }
@@ -197,7 +213,7 @@ impl<'k> Planner<'k> {
             let (positions, velocities) = course.at(time);
             let sample = Sample { index, count: count + 1, part: index as f64 / count as f64 };
             let refused = |reason: Reason| reason.at(step, sample);
-            let positions = self.on_the_way(positions).map_err(refused)?;
+            let positions = self.on_the_way(positions, start).map_err(refused)?;
             self.not_too_fast(&before, &positions, period).map_err(refused)?;
             clearance::check(&self.arm, &before, &positions).map_err(Reason::Forbidden).map_err(refused)?;
             before.clone_from(&positions);
@@ -217,7 +233,8 @@ impl<'k> Planner<'k> {
                 let part = (then + part * (time - then)) / course.duration().max(f64::MIN_POSITIVE);
                 Sample { index: place + 1, count: times.len() + 1, part }
             };
-            let positions = self.on_the_way(positions).map_err(|reason| reason.at(step, sample(1.0)))?;
+            let positions =
+                self.on_the_way(positions, start).map_err(|reason| reason.at(step, sample(1.0)))?;
             let pieces = ((time - then) / CHECK_PERIOD).ceil().max(1.0) as usize;
             let mut here = before.clone();
             for piece in 1..=pieces {
@@ -225,17 +242,27 @@ impl<'k> Planner<'k> {
                 let next =
                     before.iter().zip(&positions).map(|(from, to)| from + part * (to - from)).collect();
                 let refused = |reason: Reason| reason.at(step, sample(part));
-                let next = self.on_the_way(next).map_err(refused)?;
+                let next = self.on_the_way(next, start).map_err(refused)?;
                 clearance::check(&self.arm, &here, &next).map_err(Reason::Forbidden).map_err(refused)?;
                 here = next;
             }
             let velocities = course.fastest(then, *time, before.iter().zip(&positions));
+            let velocities = self.no_slower_than_devices_go(velocities);
             before.clone_from(&positions);
             then = *time;
             leg.commands.push(Command::new(self.arm.fingerprint(), positions, velocities));
             leg.times.push(*time);
         }
         Ok(leg)
+    }
+
+    /// Velocities of a goal, raised together where the leading joint would be slower than devices can be told to be.
+    fn no_slower_than_devices_go(&self, velocities: Vec<f64>) -> Vec<f64> {
+        let parts =
+            velocities.iter().zip(&self.dynamics).map(|(velocity, limits)| velocity / limits.velocity);
+        let leading = parts.fold(0.0, f64::max);
+        let factor = if leading > 0.0 { (LEAST_PART / leading).max(1.0) } else { 1.0 };
+        velocities.into_iter().map(|velocity| velocity * factor).collect()
     }
 
     /// The places on a path (s) between which straight lines in joint space keep near to it.
@@ -287,6 +314,18 @@ impl<'k> Planner<'k> {
         places
     }
 
+    /// Whether a move may begin there. One of all joints at once may lead out of what is forbidden; a path is solved, and
+    /// solutions keep all limits and rules.
+    fn may_begin(&self, start: &[f64], asked: &Move) -> Result<(), Reason> {
+        match (self.allowed(start), &asked.goal) {
+            (
+                Err(Reason::OutsideLimits { .. } | Reason::Forbidden(_)),
+                Goal::Joints(_) | Goal::Nearest { .. },
+            ) => Ok(()),
+            (outcome, _) => outcome,
+        }
+    }
+
     /// Whether the arm may stand there.
     fn allowed(&self, q: &[f64]) -> Result<(), Reason> {
         match self.arm.check(q) {
@@ -299,8 +338,8 @@ impl<'k> Planner<'k> {
     }
 
     /// Joint values of a sample on the way: limits and sums, with joints that rounding has brought beyond their limits
-    /// on them.
-    fn on_the_way(&self, q: Vec<f64>) -> Result<Vec<f64>, Reason> {
+    /// on them. Limits and sums that are broken where the move starts may be so on the way, but by no more than there.
+    fn on_the_way(&self, q: Vec<f64>, start: &[f64]) -> Result<Vec<f64>, Reason> {
         let mut q = q;
         for (value, joint) in q.iter_mut().zip(self.arm.joints()) {
             if let Some(limits) = joint.limits {
@@ -311,9 +350,26 @@ impl<'k> Planner<'k> {
             }
         }
         // The tool point is for `clearance`, which knows how far it may stray on the way.
-        let rules = dh_runtime::Rules { bounds: &[], keep_out: &[], ..self.arm.rules() };
-        let violation = rules.violations(&q, [0.0; 3]).iter().next();
-        violation.map_or(Ok(q), |violation| Err(violation.into()))
+        let all = self.arm.rules();
+        let widened =
+            |limits: Limits, start: f64| Limits { min: limits.min.min(start), max: limits.max.max(start) };
+        let joints: Vec<Joint<'_>> = all
+            .joints
+            .iter()
+            .zip(start)
+            .map(|(joint, start)| Joint {
+                limits: joint.limits.map(|limits| widened(limits, *start)),
+                ..*joint
+            })
+            .collect();
+        let sums: Vec<SumLimit<'_>> = all
+            .sums
+            .iter()
+            .map(|sum| SumLimit { range: widened(sum.range, sum.value(start)), ..*sum })
+            .collect();
+        let rules = Rules { joints: &joints, sums: &sums, bounds: &[], keep_out: &[], ..all };
+        let violation: Option<Reason> = rules.violations(&q, [0.0; 3]).iter().next().map(Reason::from);
+        violation.map_or(Ok(q), Err)
     }
 
     /// Whether all joints can get from one sample to the next in this time (s).

@@ -112,13 +112,14 @@ impl<'k, D: Driver> Robot<'k, D> {
     /// Where the driver is another arm's, or the device does not answer.
     pub fn new(arm: &'k dyn Kinematics, driver: D) -> Result<Self, ConnectError> {
         let mut driver = driver;
-        let planner = Planner::new(arm, driver.joints(), driver.pace()).map_err(ConnectError::OtherArm)?;
+        let pace = driver.pace();
+        let planner = Planner::new(arm, driver.joints(), pace).map_err(ConnectError::OtherArm)?;
         let state = driver.read_state().map_err(ConnectError::Driver)?;
         Ok(Self {
             planner,
             driver,
             poses: Vec::new(),
-            settings: Settings::default(),
+            settings: Settings::of_pace(pace),
             state,
             held: None,
             torque: false,

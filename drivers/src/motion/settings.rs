@@ -1,5 +1,6 @@
 //! What a robot takes for lost, for strayed, and for arrived.
 
+use crate::driver::Pace;
 use dh_runtime::JointKind;
 use std::time::Duration;
 
@@ -40,7 +41,8 @@ pub struct Settings {
     pub start: Tolerance,
     /// Torque may be cut at most this far from a safe pose: 0.1 rad, 5 mm.
     pub safe: Tolerance,
-    /// Without a word from the device for so long the arm is stopped: half a second.
+    /// Without a word from the device for so long the arm is stopped: half a second; a second where the device makes its
+    /// own profiles, whose answers are slow.
     pub feedback: Duration,
     /// Without a word from this program for so long the device stops by itself, where it can: half a second.
     pub watchdog: Duration,
@@ -48,6 +50,17 @@ pub struct Settings {
     pub poll: Duration,
 }
 
+impl Settings {
+    /// The defaults for a device of this pace.
+    pub fn of_pace(pace: Pace) -> Self {
+        match pace {
+            Pace::Stream { .. } => Self::default(),
+            Pace::PointToPoint => Self { feedback: Duration::from_secs(1), ..Self::default() },
+        }
+    }
+}
+
+/// Those of a stream.
 impl Default for Settings {
     fn default() -> Self {
         let tolerance = |revolute, prismatic| Tolerance { revolute, prismatic };

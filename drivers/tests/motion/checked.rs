@@ -88,7 +88,7 @@ fn is_allowed(arm: &dyn Kinematics, q: &[f64]) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(600))]
+    #![proptest_config(ProptestConfig::with_cases(250))]
 
     #[test]
     fn joint_moves_keep_limits_rules_and_speeds_or_are_refused_for_cause(
@@ -284,4 +284,53 @@ fn servos_that_reach_less_than_the_joint_bound_the_motion() {
 #[test]
 fn a_driver_of_another_table_is_refused() {
     assert!(Planner::new(&Planar, &JointMap::of_table(&Cell).unwrap(), every(10)).is_err());
+}
+
+#[test]
+fn out_of_what_is_forbidden_the_arm_may_go_but_no_deeper() {
+    for pace in [every(10), Pace::PointToPoint] {
+        let planner = planner(&Cell, pace);
+        // The tool point 50 mm under the floor, and the wrist bent beyond what its servo reaches.
+        let (under, bent) = ([0.5, -0.6, 0.0], [0.5, 1.0, -2.5]);
+        assert!(depth(&Cell, &under) > 0.05);
+        let reach = [0.5, 1.0, 0.0];
+        for start in [under, bent] {
+            planner.plan(&start, &[Move::joints(&reach)]).unwrap();
+        }
+        let deeper = planner.plan(&under, &[Move::joints(&[0.5, -0.7, 0.0])]).unwrap_err();
+        assert!(matches!(deeper.reason, Reason::Forbidden(Rule::Bound { .. })), "{deeper}");
+        // The way out leads further down first, though it ends above.
+        let through = planner.plan(&under, &[Move::joints(&[0.5, -0.6, 2.5])]);
+        let lowest = (0..=100).map(|i| depth(&Cell, &[0.5, -0.6, 0.025 * f64::from(i)])).fold(0.0, f64::max);
+        assert_eq!(through.is_ok(), lowest <= depth(&Cell, &under) && is_allowed(&Cell, &[0.5, -0.6, 2.5]));
+        let inside = planner.plan(&under, &[Move::joints(&[0.5, -0.6, -1.0]), Move::joints(&reach)]);
+        assert!(inside.is_err(), "a move may not end there");
+        let further = planner.plan(&bent, &[Move::joints(&[0.5, 1.0, -2.55])]).unwrap_err();
+        assert!(matches!(further.reason, Reason::OutsideLimits { .. }), "{further}");
+        let line = Move::line("position", Target::Position([0.4, 0.2, 0.3]));
+        assert!(planner.plan(&under, &[line]).is_err(), "lines are for arms that stand where they may");
+    }
+}
+
+#[test]
+fn an_arm_that_stands_nearly_on_a_path_is_brought_onto_it() {
+    for pace in [every(10), Pace::PointToPoint] {
+        let planner = planner(&MyCobot, pace);
+        // Tool down at (150, -100, 150) but for what a device that counts in hundredths of a degree leaves of it.
+        let exact = planner.plan(
+            &[-0.2, -0.1, -2.0, 0.6, 0.0, -0.2],
+            &[Move::nearest("tool_down", Target::Position([0.15, -0.1, 0.15]))],
+        );
+        let exact = exact.unwrap().goal(0).unwrap().to_vec();
+        let start = [-12.08, -8.42, -116.97, 35.4, 0.0, -12.08].map(f64::to_radians);
+        let line = Move::line("tool_down", Target::Position([0.15, -0.1, 0.07]));
+        let checked = planner.plan(&start, std::slice::from_ref(&line)).unwrap();
+        assert_eq!(checked.start(), Some(start.as_slice()));
+        assert_kept(&MyCobot, &checked, planner.dynamics());
+        let tilt = |q: &[f64]| Kinematics::fk(&MyCobot, q).unwrap().z_axis()[2] + 1.0;
+        assert!(tilt(&start) > 1e-9 && tilt(checked.goal(0).unwrap()) < 1e-12);
+        assert!(planner.plan(&exact, std::slice::from_ref(&line)).unwrap().duration() <= checked.duration());
+        let far = start.map(|q| q + 0.06);
+        assert!(matches!(planner.plan(&far, &[line]).unwrap_err().reason, Reason::NotOnPath { .. }));
+    }
 }

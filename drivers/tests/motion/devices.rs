@@ -6,7 +6,7 @@ use dh_drivers::clock::{Clock, VirtualClock};
 use dh_drivers::driver::JointMap;
 use dh_drivers::dynamixel::control_table::Model as ServoModel;
 use dh_drivers::dynamixel::{self, Bus, ServoSpec, SimulatedBus, Timing};
-use dh_drivers::motion::{Defaults, Move, MotionError, Robot};
+use dh_drivers::motion::{Defaults, MotionError, Move, Robot};
 use dh_drivers::mycobot::{self, SimulatedMyCobot};
 use dh_drivers::simulate::{Faults, Faulty, SimulatedPort};
 use dh_runtime::{Kinematics, Target};
@@ -60,7 +60,9 @@ fn two_servos_end_within_two_ticks() {
     robot.go(&[Move::joints(&[third, -third])]).unwrap();
     assert!(ticks_off(&Planar, &device, &[third, -third]) <= 2.0);
     let at = |x, y| Target::Xy([x, y]);
-    robot.go(&[Move::nearest("xy_elbow_up", at(0.2, 0.1)), Move::line("xy_elbow_up", at(0.1, 0.15))]).unwrap();
+    robot
+        .go(&[Move::nearest("xy_elbow_up", at(0.2, 0.1)), Move::line("xy_elbow_up", at(0.1, 0.15))])
+        .unwrap();
     let tool = robot.arm().fk(&robot.state().positions()).unwrap();
     let [x, y, _] = tool.translation;
     assert!((x - 0.1).hypot(y - 0.15) < 2.0 * TICK * 0.28, "{x} {y}");
@@ -148,10 +150,11 @@ fn servos_whose_line_is_pulled_stop_and_go_on_when_it_is_back() {
     assert!(ticks_off(&Planar, &device, &[2.0, -2.0]) <= 2.0);
 }
 
-type Cobot = Arc<Mutex<SimulatedMyCobot<'static>>>;
+type Cobot = Arc<Mutex<Faulty<SimulatedMyCobot<'static>>>>;
 
-fn cobot(model: mycobot::Model) -> (Cobot, Box<dyn Driver>) {
-    let device = Arc::new(Mutex::new(SimulatedMyCobot::new(Box::new(MyCobot), model).unwrap()));
+fn cobot(model: mycobot::Model, faults: Faults) -> (Cobot, Box<dyn Driver>) {
+    let device = SimulatedMyCobot::new(Box::new(MyCobot), model).unwrap();
+    let device = Arc::new(Mutex::new(Faulty::new(device, faults, 3)));
     let clock: Arc<dyn Clock> = Arc::new(VirtualClock::new());
     let port = Box::new(SimulatedPort::new(Arc::clone(&device), clock));
     let map = JointMap::of_table(&MyCobot).unwrap();
@@ -159,14 +162,14 @@ fn cobot(model: mycobot::Model) -> (Cobot, Box<dyn Driver>) {
 }
 
 fn degrees_off(device: &Cobot, q: &[f64]) -> f64 {
-    let at = device.lock().unwrap().positions();
+    let at = device.lock().unwrap().device.positions();
     at.iter().zip(q).map(|(a, b)| (a - b).abs().to_degrees()).fold(0.0, f64::max)
 }
 
 #[test]
 fn a_mycobot_ends_within_a_tenth_of_a_degree() {
     for model in [mycobot::Model::Pi, mycobot::Model::M5] {
-        let (device, driver) = cobot(model);
+        let (device, driver) = cobot(model, good());
         let mut robot = Robot::new(&MyCobot, driver).unwrap().with_poses(&MyCobot::POSES);
         let plate = MyCobot::POSES.iter().find(|pose| pose.name == "above_plate").unwrap();
         robot.go(&[Move::joints(plate.q).slowed(0.5)]).unwrap();
@@ -187,34 +190,63 @@ fn a_mycobot_ends_within_a_tenth_of_a_degree() {
         let rest = MyCobot::POSES.iter().find(|pose| pose.safe).unwrap();
         robot.go(&[Move::joints(rest.q)]).unwrap();
         robot.release().unwrap();
-        assert!(!device.lock().unwrap().is_holding());
+        assert!(!device.lock().unwrap().device.is_holding());
     }
 }
 
 #[test]
 fn a_refused_move_sends_a_mycobot_no_request() {
-    let (device, driver) = cobot(mycobot::Model::Pi);
+    let (device, driver) = cobot(mycobot::Model::Pi, good());
     let mut robot = Robot::new(&MyCobot, driver).unwrap();
-    let requests = device.lock().unwrap().requests();
+    let requests = device.lock().unwrap().device.requests();
     let low = Move::nearest("tool_down", Target::Position([0.15, -0.1, 0.01]));
     for wrong in [Move::joints(&[2.0; 6]), low, Move::joints(&[0.1; 6]).slowed(2.0)] {
         assert!(matches!(robot.go(&[wrong]), Err(MotionError::Refused(_))));
     }
-    assert_eq!(device.lock().unwrap().requests(), requests);
+    assert_eq!(device.lock().unwrap().device.requests(), requests);
 }
 
 #[test]
 fn a_collision_stops_a_mycobot() {
-    let (device, driver) = cobot(mycobot::Model::Pi);
+    let (device, driver) = cobot(mycobot::Model::Pi, good());
     let mut robot = Robot::new(&MyCobot, driver).unwrap();
     let goal = [1.2, -0.6, 1.0, -0.4, 0.6, -0.9];
     let collides = device.clone();
     let error = robot.go_watched(&[Move::joints(&goal).slowed(0.3)], &mut |progress| {
         if progress.elapsed > 0.5 {
-            collides.lock().unwrap().latch(17);
+            collides.lock().unwrap().device.latch(17);
         }
     });
     let error = error.unwrap_err();
     assert!(error.to_string().contains("17"), "{error}");
-    assert!(!device.lock().unwrap().is_moving() && degrees_off(&device, &goal) > 1.0);
+    assert!(!device.lock().unwrap().device.is_moving() && degrees_off(&device, &goal) > 1.0);
+}
+
+#[test]
+fn a_bad_line_does_not_bring_a_mycobot_to_a_wrong_place() {
+    let (device, driver) = cobot(mycobot::Model::Pi, Faults::evenly(0.05, Duration::from_millis(20)));
+    let mut robot = Robot::new(&MyCobot, driver).unwrap();
+    let (mut done, mut broken) = (0, 0);
+    for turn in 0..12 {
+        let goal =
+            if turn % 2 == 0 { [0.5, -0.6, 1.0, -0.4, 0.6, -0.9] } else { [-0.5, 0.1, -1.0, 0.4, 0.0, 0.2] };
+        let asked = [Move::joints(&goal).slowed(0.5)];
+        match robot.go(&asked) {
+            Ok(()) => {
+                done += 1;
+                assert!(degrees_off(&device, &goal) <= 0.1);
+            }
+            Err(error) => {
+                broken += 1;
+                println!("{error}");
+                assert!(
+                    !device.lock().unwrap().device.is_moving()
+                        || matches!(error, MotionError::NotStopped { .. }),
+                    "{error}"
+                );
+            }
+        }
+    }
+    println!("{done} done, {broken} given up");
+    assert!(done >= 6, "{done} done, {broken} given up");
 }

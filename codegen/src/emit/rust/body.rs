@@ -98,8 +98,12 @@ impl Body<'_> {
                     let head = format!("for [{}] in", roots.join(", "));
                     let given = given.iter().map(|value| self.leaves.expression(value)).collect();
                     let given = Expression::Array(given).flat();
-                    let arguments =
-                        [self.stages.get(*stage).map_or("", String::as_str), &format!("&{}", self.chain), "&target", &format!("&{given}")];
+                    let arguments = [
+                        self.stages.get(*stage).map_or("", String::as_str),
+                        &format!("&{}", self.chain),
+                        "&target",
+                        &format!("&{given}"),
+                    ];
                     let arguments = arguments.map(|argument| Expression::Atom(argument.to_owned())).to_vec();
                     let call = Expression::Call("search.general".to_owned(), arguments);
                     text.laid_out(&statement(text.indent(), &head, &call, " {"));

@@ -112,7 +112,8 @@ impl Derivation<'_, '_, '_> {
                         self.text.line(1, &format!("Step 1: all joints, by {}", stage.unknown));
                         self.text.line(2, &stage.equation);
                         self.text.line(2, &format!("({})", stage.origin));
-                        self.text.line(2, "up to 16 solutions; each is brought to the pose by Newton's method");
+                        self.text
+                            .line(2, "up to 16 solutions; each is brought to the pose by Newton's method");
                     }
                     self.steps(body);
                 }

@@ -41,7 +41,8 @@ pub(super) fn choose(chain: &GeneralChain) -> Vec<Chart> {
     let mut kept: Vec<Chart> = Vec::new();
     for (chart, badness) in charts {
         // Charts of the same hidden joint fail at the same poses.
-        let known = kept.iter().any(|other| other.unknown() == chart.unknown() && other.dropped == chart.dropped);
+        let known =
+            kept.iter().any(|other| other.unknown() == chart.unknown() && other.dropped == chart.dropped);
         if !known && kept.len() < KEPT && badness < trials.len() as f64 {
             kept.push(chart);
         }
@@ -125,7 +126,8 @@ impl Random {
 
     fn trial<'a>(&mut self, chain: &'a GeneralChain) -> Option<Trial<'a>> {
         let slides = |joint: &usize| chain.prismatic.get(*joint).copied().unwrap_or(false);
-        let given: Vec<f64> = chain.given.iter().map(|joint| self.value(slides(joint), chain.reach)).collect();
+        let given: Vec<f64> =
+            chain.given.iter().map(|joint| self.value(slides(joint), chain.reach)).collect();
         let six = chain.arm().six(&given)?;
         let q = six.prismatic.map(|slides| self.value(slides, chain.reach));
         Some(Trial { six, q, pose: six.tip(&q) })

@@ -42,7 +42,8 @@ pub fn chain(model: &Model, problem: &Problem) -> Result<General, Refusal> {
     if problem.constraints.iter().any(super::by_a_fraction) {
         return Err(Refusal::Coupling);
     }
-    let unknowns = unknowns::eliminate(model, &problem.constraints, &problem.free).map_err(|_| Refusal::Coupling)?;
+    let unknowns =
+        unknowns::eliminate(model, &problem.constraints, &problem.free).map_err(|_| Refusal::Coupling)?;
     let behind = behind_the_tool(problem.target).ok_or(Refusal::NotByThisMethod)?;
     let table = model.chain();
     let mut links = table.links.iter().map(frame);
@@ -102,7 +103,9 @@ fn single(form: &Form) -> Value {
     let mut present = form.coefficients.iter().enumerate().filter(|(_, factor)| **factor != 0.0);
     match (present.next(), present.next()) {
         (None, _) => Value::Held,
-        (Some((variable, factor)), None) if *factor == 1.0 && form.offset.value() == 0.0 => Value::Free(variable),
+        (Some((variable, factor)), None) if *factor == 1.0 && form.offset.value() == 0.0 => {
+            Value::Free(variable)
+        }
         _ => Value::Follows,
     }
 }
@@ -163,7 +166,9 @@ fn behind_the_tool(target: Target) -> Option<Vec<(Frame, bool)>> {
         // About x, then about y: what roll and pitch add to the yaw.
         Target::PositionYaw => vec![(onto_x, false), (onto_x.inverse().compose(&onto_y), false)],
         Target::Position => vec![(straight, false), (onto_x, false), (onto_x.inverse(), false)],
-        Target::Lookat => vec![(straight, true), (straight, false), (onto_x, false), (onto_x.inverse(), false)],
+        Target::Lookat => {
+            vec![(straight, true), (straight, false), (onto_x, false), (onto_x.inverse(), false)]
+        }
         Target::Rotation | Target::Direction | Target::Xy | Target::XyYaw => return None,
     })
 }

@@ -1,6 +1,6 @@
 //! What earlier requests may still bring.
 
-/// Answers that may come late or twice, by servo and length of their data.
+/// Answers that may come late or twice, by servo and length of their data, or [`PINGED`].
 #[derive(Debug)]
 pub(super) struct Echo {
     /// `None`: nobody knows.
@@ -10,6 +10,11 @@ pub(super) struct Echo {
     /// The length of the last clearing read.
     turn: usize,
 }
+
+/// The answer to a ping, which is as good late as early: it says the same.
+pub(super) const PINGED: usize = usize::MAX;
+/// How long that is.
+pub(super) const PING_LENGTH: usize = 3;
 
 /// The longest clearing read: the control table has no gap before address 14.
 pub(super) const LONGEST: usize = 14;
@@ -49,7 +54,11 @@ impl Echo {
     /// Whether something may come that looks like an answer to what expects these.
     pub(super) fn may_answer(&self, expected: &[(u8, usize)]) -> bool {
         let Some(answers) = &self.answers else { return true };
-        expected.iter().any(|answer| answers.contains(answer) || (answer.1 == 0 && self.refusals))
+        expected.iter().any(|(id, length)| match *length {
+            PINGED => answers.contains(&(*id, PING_LENGTH)),
+            PING_LENGTH => answers.contains(&(*id, PING_LENGTH)) || answers.contains(&(*id, PINGED)),
+            length => answers.contains(&(*id, length)) || (length == 0 && self.refusals),
+        })
     }
 
     /// Whether a refusal may be an earlier request's.
@@ -60,7 +69,9 @@ impl Echo {
     /// A length for a clearing read of this servo, which no other answer has.
     pub(super) fn other_length(&self, id: u8, expected: &[(u8, usize)]) -> usize {
         let answers = self.answers.as_deref().unwrap_or_default();
-        let taken = |length: &usize| answers.iter().chain(expected).any(|answer| *answer == (id, *length));
+        let taken = |length: &usize| {
+            *length == PING_LENGTH || answers.iter().chain(expected).any(|answer| *answer == (id, *length))
+        };
         // In turns, so that clearing reads differ from each other.
         let turns = (1..=LONGEST).map(|step| (self.turn + step - 1) % LONGEST + 1);
         turns.into_iter().find(|length| !taken(length)).unwrap_or(LONGEST)

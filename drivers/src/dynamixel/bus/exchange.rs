@@ -1,6 +1,7 @@
 //! Asking, and telling answers from what only looks like one.
 
-use super::{Answer, Bus, Echo};
+use super::echo::{Echo, PINGED};
+use super::{Answer, Bus};
 use crate::clock::Time;
 use crate::driver::{Cause, DriverError};
 use crate::dynamixel::instruction;
@@ -33,12 +34,15 @@ impl Bus {
     /// Asks until there is an answer that is one to this question.
     pub(super) fn exchange(&mut self, request: &Request) -> Result<Vec<Answer>, DriverError> {
         let Request { command, ref expected, .. } = *request;
+        let pinged = request.packet.instruction == instruction::PING;
+        let shape = |(id, length): &(u8, usize)| (*id, if pinged { PINGED } else { *length });
+        let shapes: Vec<(u8, usize)> = expected.iter().map(shape).collect();
         self.restore(command)?;
         let start = self.port.clock().now();
         let silent = Cause::Silent { waited: Duration::ZERO };
         let mut miss = (None, silent.clone());
         for _ in 0..self.timing.attempts.max(1) {
-            if self.echo.may_answer(expected) && !self.clear(command, expected)? {
+            if self.echo.may_answer(&shapes) && !self.clear(command, &shapes)? {
                 miss = (expected.first().map(|(id, _)| *id), silent.clone());
                 continue;
             }
@@ -46,7 +50,7 @@ impl Bus {
             match self.attempt(request) {
                 Err(Miss::Port(error)) => return Err(self.failed(command, error)),
                 Err(Miss::Silent(id, broken)) => {
-                    self.echo.missed(expected);
+                    self.echo.missed(&shapes);
                     miss = (id, if broken { Cause::Garbled } else { silent.clone() });
                     if !request.again {
                         break;
@@ -55,7 +59,7 @@ impl Bus {
                 Ok(statuses) => {
                     let refused = statuses.iter().find(|status| status.error.code() != 0);
                     let Some(refused) = refused else {
-                        self.echo = Echo::of(expected.clone());
+                        self.echo = Echo::of(shapes);
                         self.heard = Some(sent);
                         return Ok(statuses.into_iter().map(answer).collect());
                     };
@@ -63,7 +67,7 @@ impl Bus {
                     let refusal = Cause::Refused { code: error.code(), meaning: error.meaning() };
                     // The request was damaged on its way, or an earlier one was refused twice.
                     let (damaged, doubtful) = (error.code() == CRC_ERROR, self.echo.may_refuse());
-                    self.echo.missed(expected);
+                    self.echo.missed(&shapes);
                     if !(damaged || doubtful) || !request.again {
                         return Err(self.error(command, id, refusal));
                     }

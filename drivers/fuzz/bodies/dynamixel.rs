@@ -1,6 +1,6 @@
-//! What must hold of the drivers' parsers whatever the bytes: bodies of the fuzz targets, and of `tests/fuzz.rs`.
-#![allow(dead_code, reason = "every fuzz target uses one of them")]
+//! Dynamixel Protocol 2.0.
 
+use super::parrot::Parrot;
 use dh_drivers::clock::{Clock, Time, VirtualClock};
 use dh_drivers::dynamixel::control_table::{MODELS, REGISTERS};
 use dh_drivers::dynamixel::packet::{BROADCAST, Decoder, MAX_LENGTH, Packet, STATUS};
@@ -10,20 +10,20 @@ use dh_drivers::simulate::{SimulatedDevice, SimulatedPort};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-fn packets(decoder: &mut Decoder) -> impl Iterator<Item = Packet> {
+fn all(decoder: &mut Decoder) -> impl Iterator<Item = Packet> {
     std::iter::from_fn(|| decoder.next_packet())
 }
 
 /// Packets are the same however the stream is cut, and each comes back from its own bytes.
-pub(crate) fn dynamixel_packets(bytes: &[u8]) {
+pub(crate) fn packets(bytes: &[u8]) {
     let mut decoder = Decoder::new();
     decoder.push(bytes);
-    let found: Vec<Packet> = packets(&mut decoder).collect();
+    let found: Vec<Packet> = all(&mut decoder).collect();
     let mut in_pieces = Decoder::new();
     let mut found_in_pieces = Vec::new();
     for piece in bytes.chunks(3) {
         in_pieces.push(piece);
-        found_in_pieces.extend(packets(&mut in_pieces));
+        found_in_pieces.extend(all(&mut in_pieces));
     }
     assert_eq!(found, found_in_pieces);
     for packet in found {
@@ -32,7 +32,7 @@ pub(crate) fn dynamixel_packets(bytes: &[u8]) {
         if again.len() <= MAX_LENGTH {
             let mut decoder = Decoder::new();
             decoder.push(&again);
-            assert!(packets(&mut decoder).eq([packet.clone()]));
+            assert!(all(&mut decoder).eq([packet.clone()]));
         }
         let status = Status::of_packet(&packet);
         assert!(status.is_none_or(|status| status.packet() == packet));
@@ -43,31 +43,10 @@ pub(crate) fn dynamixel_packets(bytes: &[u8]) {
     }
 }
 
-/// A device that answers everything with the same bytes.
-#[derive(Debug)]
-struct Parrot<'b>(&'b [u8], Vec<Time>);
-
-impl SimulatedDevice for Parrot<'_> {
-    fn receive(&mut self, _: &[u8], now: Time) {
-        self.1.push(now + Duration::from_millis(1));
-    }
-    fn advance(&mut self, _: Time) {}
-    fn next_send(&self) -> Option<Time> {
-        self.1.first().copied()
-    }
-    fn send(&mut self, now: Time) -> Option<Vec<u8>> {
-        self.next_send().filter(|time| *time <= now)?;
-        self.1.remove(0);
-        Some(self.0.to_vec())
-    }
-}
-
 /// Whatever is answered, requests end in time, and answers are of the servos and lengths that were asked for.
-pub(crate) fn dynamixel_bus(bytes: &[u8]) {
+pub(crate) fn bus(bytes: &[u8]) {
     let clock = Arc::new(VirtualClock::new());
-    // The port must be 'static; so must what it answers.
-    let bytes: &'static [u8] = Box::leak(bytes.to_vec().into_boxed_slice());
-    let device = Arc::new(Mutex::new(Parrot(bytes, Vec::new())));
+    let device = Arc::new(Mutex::new(Parrot::saying(bytes)));
     let mut bus = Bus::new(Box::new(SimulatedPort::new(device, clock.clone())), Timing::default());
     let mut within = |request: &dyn Fn(&mut Bus)| {
         let (start, longest) = (clock.now(), bus.longest(20, &[4, 4]));
@@ -97,7 +76,7 @@ pub(crate) fn dynamixel_bus(bytes: &[u8]) {
 }
 
 /// Whatever they are sent, servos answer sound packets or nothing.
-pub(crate) fn dynamixel_servos(bytes: &[u8]) {
+pub(crate) fn servos(bytes: &[u8]) {
     let servo =
         |id: u8| ServoSpec { id, model: &MODELS[usize::from(id % 3)], baud: 1_000_000, position: 2048.0 };
     let mut bus = SimulatedBus::new([1, 2].map(servo));
@@ -110,7 +89,7 @@ pub(crate) fn dynamixel_servos(bytes: &[u8]) {
             now = now.max(time);
             while let Some(sent) = bus.send(now) {
                 decoder.push(&sent);
-                assert!(packets(&mut decoder).all(|packet| packet.instruction == STATUS));
+                assert!(all(&mut decoder).all(|packet| packet.instruction == STATUS));
                 assert!(decoder.is_empty() && decoder.broken() == 0, "{sent:02x?}");
             }
         }
