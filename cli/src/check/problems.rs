@@ -4,7 +4,11 @@ use crate::robot::Robot;
 use crate::text::{clean, columns};
 use dh_codegen::model::Target;
 use dh_codegen::plan::{Equation, Function, FunctionKind, Step};
-use dh_core::FULL_POSE;
+use dh_codegen::verify::FunctionReport;
+use dh_core::{FULL_POSE, MAX_SOLUTIONS};
+
+/// Where given joints stand when what the others are like is asked: at no multiple of a quarter turn.
+const SOMEWHERE: f64 = 0.7;
 
 /// The full pose, then the problems of the table.
 pub(super) fn written(robot: &Robot) -> String {
@@ -37,7 +41,77 @@ fn problem(robot: &Robot, index: Option<usize>, name: &str) -> String {
             ]
         })
         .collect();
-    format!("{title}: up to {} solutions\n{}", branches(function), columns("    ", &rows))
+    let given = given(robot, function);
+    let way = format!("{}, up to {} solutions", way(function), branches(function));
+    let tried: String = left_out(robot, index).map(|why| format!("    before that, {why}\n")).collect();
+    format!("{title}: {given}{way}\n{tried}    {}\n{}", why(robot, function), columns("    ", &rows))
+}
+
+/// Joints that the caller gives.
+fn given(robot: &Robot, function: &Function) -> String {
+    let model = robot.model();
+    let rows = function.free.iter().filter_map(|joint| model.rows.get(*model.joints.get(*joint)?));
+    let names: Vec<String> = rows.map(|row| clean(&row.name)).collect();
+    if names.is_empty() { String::new() } else { format!("with {} given, ", names.join(", ")) }
+}
+
+/// By which method.
+fn way(function: &Function) -> &'static str {
+    match general(&function.steps) {
+        Some(_) => "by a polynomial in one joint",
+        None => "in closed form",
+    }
+}
+
+/// What of the geometry, or of the problem, makes that the way.
+fn why(robot: &Robot, function: &Function) -> String {
+    let model = robot.model();
+    let problem = match function.kind {
+        FunctionKind::Inverse(Some(index)) => model.problems.get(index),
+        _ => None,
+    };
+    if let Some(problem) = problem.filter(|problem| !problem.constraints.is_empty()) {
+        let many = if problem.constraints.len() == 1 { "constraint leaves" } else { "constraints leave" };
+        return format!("the {many} {} unknowns, one a step", function.stages.len());
+    }
+    let held: Vec<(usize, f64)> = function.free.iter().map(|joint| (*joint, SOMEWHERE)).collect();
+    let geometry = model.geometry_holding(&held);
+    let is_general = general(&function.steps).is_some();
+    let spherical = geometry.spherical_joints().next().map(<[usize]>::to_vec);
+    let parallel = geometry.parallel_runs().into_iter().find(|run| run.len() > 2);
+    match (spherical, parallel) {
+        (None, None) if is_general => {
+            "no three neighbouring axes meet in one point or are parallel: no step has one unknown alone"
+                .to_owned()
+        }
+        (Some(axes), _) if !is_general => {
+            format!("axes {} meet in one point: position and orientation come apart", geometry.named(&axes))
+        }
+        (None, Some(run)) if !is_general => {
+            format!("axes {} are parallel: they turn as one angle", geometry.named(&run))
+        }
+        _ if is_general => {
+            "no order of steps with one unknown each was found that stands verification".to_owned()
+        }
+        _ => "every step has one unknown".to_owned(),
+    }
+}
+
+/// The chain of a function that finds all joints at once, with the degree of its polynomial.
+fn general(steps: &[Step]) -> Option<u8> {
+    steps.iter().find_map(|step| match step {
+        Step::General { chain, .. } => chain.charts.first().map(|chart| chart.degree),
+        Step::Solve { body, .. } => general(body),
+        _ => None,
+    })
+}
+
+/// Why ways that were tried first are not taken.
+fn left_out(robot: &Robot, index: Option<usize>) -> impl Iterator<Item = String> + '_ {
+    let kind = FunctionKind::Inverse(index);
+    let failures = robot.output.report.functions.iter().filter(move |report| report.kind == kind);
+    let why = |report: &FunctionReport| report.failure.as_ref().map(|failure| clean(failure));
+    failures.filter_map(why).map(|failure| format!("a way that did not stand verification: {failure}"))
 }
 
 /// A target as tables call it.
@@ -74,12 +148,21 @@ fn reason(robot: &Robot, index: Option<usize>) -> String {
 fn roots(steps: &[Step]) -> Vec<usize> {
     let mut found = Vec::new();
     for step in steps {
-        if let Step::Solve { equation, body, .. } = step {
-            found.push(match equation {
-                Equation::Trig { .. } | Equation::TrigUnit { .. } | Equation::Quadratic { .. } => 2,
-                Equation::TrigPair { .. } | Equation::Linear { .. } => 1,
-            });
-            found.extend(roots(body));
+        match step {
+            Step::Solve { equation, body, .. } => {
+                found.push(match equation {
+                    Equation::Trig { .. } | Equation::TrigUnit { .. } | Equation::Quadratic { .. } => 2,
+                    Equation::TrigPair { .. } | Equation::Linear { .. } => 1,
+                });
+                found.extend(roots(body));
+            }
+            Step::General { chain, body, .. } => {
+                // A trigonometric polynomial has twice as many roots as its degree; some need not be those of the arm.
+                let degree = chain.charts.first().map_or(0, |chart| usize::from(chart.degree));
+                found.push((2 * degree).min(MAX_SOLUTIONS));
+                found.extend(roots(body));
+            }
+            _ => {}
         }
     }
     found

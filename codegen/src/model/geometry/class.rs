@@ -115,8 +115,8 @@ impl Geometry {
         parts
     }
 
-    /// "2 and 3", "2, 3 and 4": rows, numbered from 1.
-    fn named(&self, axes: &[usize]) -> String {
+    /// "2 and 3", "2, 3 and 4": the rows of these axes, numbered from 1.
+    pub fn named(&self, axes: &[usize]) -> String {
         let number = |axis: &usize| self.axes.get(*axis).map_or(0, |axis| axis.row + 1).to_string();
         let numbers: Vec<String> = axes.iter().map(number).collect();
         match numbers.split_last() {
