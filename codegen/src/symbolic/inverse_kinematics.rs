@@ -10,6 +10,7 @@ mod candidates;
 mod closure;
 mod polynomial;
 mod reading;
+mod roots;
 mod samples;
 mod search;
 mod tool;
