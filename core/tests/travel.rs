@@ -23,6 +23,7 @@ fn norms_and_weights_decide_what_is_near() {
 }
 
 /// Both signs of the target are solutions; at 0 the branches meet.
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as targets are handed over")]
 fn two_branches(target: &f64, seed: &[f64; 2]) -> Result<Solution<2>, IkError> {
     if target.abs() > 5.0 {
         return Err(IkError::NotFinite);

@@ -37,7 +37,18 @@ fn problem(robot: &Robot, index: Option<usize>, name: &str) -> String {
             ]
         })
         .collect();
-    format!("{title}: up to {} solutions\n{}", branches(function), columns("    ", &rows))
+    format!(
+        "{title}: up to {} solutions{}\n{}",
+        branches(function),
+        given(robot, function),
+        columns("    ", &rows)
+    )
+}
+
+/// Which joints the caller gives.
+fn given(robot: &Robot, function: &Function) -> String {
+    let names: Vec<String> = function.free.iter().map(|joint| clean(robot.units().joint(*joint).1)).collect();
+    if names.is_empty() { String::new() } else { format!(" with {} given", names.join(", ")) }
 }
 
 /// A target as tables call it.
