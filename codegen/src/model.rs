@@ -12,6 +12,8 @@ mod check;
 mod constraint;
 mod fingerprint;
 mod form;
+// How the joint axes lie to each other.
+pub mod geometry;
 mod linear;
 mod names;
 mod placement;
@@ -29,6 +31,7 @@ mod topology;
 pub use angle::EXACT_ANGLE_TOLERANCE;
 pub use chain::Chain;
 pub use check::check;
+pub use geometry::Geometry;
 
 /// Byte range in the table's text.
 pub type Span = Range<usize>;

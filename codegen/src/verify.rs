@@ -78,10 +78,29 @@ impl Tolerance {
 /// Runs every function of a plan; those that fail are reported and left out of the plan that is returned. Of several
 /// that solve one inverse problem, the first that stands it is kept; those behind it are neither run nor reported.
 pub fn verify(model: &Model, plan: Plan, level: Level, diagnostics: &mut Diagnostics) -> (Plan, Report) {
+    verify_or_else(model, plan, level, |_| None, diagnostics)
+}
+
+/// The same; where no function of an inverse problem stands it (an index into `Model::problems`, or the full pose),
+/// `next` is asked for another one.
+pub fn verify_or_else(
+    model: &Model,
+    mut plan: Plan,
+    level: Level,
+    next: impl Fn(Option<usize>) -> Option<Function>,
+    diagnostics: &mut Diagnostics,
+) -> (Plan, Report) {
     let verification = Verification { model, level, reach: model.reach() };
-    let found = verification.reports(&plan);
     let passed =
         |report: &Option<FunctionReport>| report.as_ref().is_some_and(|report| report.failure.is_none());
+    let mut found = verification.reports(&plan);
+    for function in verification.others(&plan, &found, next) {
+        let functions = plan.functions.iter().filter(|other| other.kind == FunctionKind::Fk);
+        let functions = functions.cloned().chain([function.clone()]).collect();
+        let alone = Plan { constants: plan.constants.clone(), functions };
+        found.push(verification.reports(&alone).pop().flatten());
+        plan.functions.push(function);
+    }
     let functions = plan.functions.into_iter().zip(&found);
     let functions = functions.filter(|(_, report)| passed(report)).map(|(function, _)| function).collect();
     let report = Report { functions: found.into_iter().flatten().collect() };
@@ -147,6 +166,30 @@ impl Verification<'_> {
             found.push(Some(report));
         }
         found
+    }
+
+    /// Another function for every inverse problem whose functions failed.
+    fn others(
+        &self,
+        plan: &Plan,
+        found: &[Option<FunctionReport>],
+        next: impl Fn(Option<usize>) -> Option<Function>,
+    ) -> Vec<Function> {
+        let passed = |report: &FunctionReport| report.failure.is_none();
+        let reports = || found.iter().flatten();
+        if !reports().any(|report| report.kind == FunctionKind::Fk && passed(report)) {
+            return Vec::new();
+        }
+        let mut failed = Vec::new();
+        for function in &plan.functions {
+            let solved = reports().any(|report| report.kind == function.kind && passed(report));
+            if let (FunctionKind::Inverse(problem), false) = (&function.kind, solved)
+                && !failed.contains(problem)
+            {
+                failed.push(*problem);
+            }
+        }
+        failed.into_iter().filter_map(next).collect()
     }
 
     /// Runs the last function of a plan, whose others are those that inverse functions rely on, as far as they are sound.

@@ -1,5 +1,6 @@
 //! What motion knows of a device.
 
+mod device;
 mod error;
 mod joint;
 
@@ -9,6 +10,7 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
+pub use device::{DeviceError, DeviceKind, DeviceSettings};
 pub use error::{Cause, DriverError, Fault};
 pub use joint::{DeviceJoint, JointMap, MapError};
 
@@ -139,4 +141,35 @@ pub trait Driver: fmt::Debug + Send {
     /// # Errors
     /// [`DriverError`]
     fn watchdog(&mut self, timeout: Option<Duration>) -> Result<Watchdog, DriverError>;
+}
+
+/// What opens a device by its table's driver gives a `Box<dyn Driver>`, which is one itself.
+impl<D: Driver + ?Sized> Driver for Box<D> {
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+    fn clock(&self) -> Arc<dyn Clock> {
+        (**self).clock()
+    }
+    fn joints(&self) -> &JointMap {
+        (**self).joints()
+    }
+    fn pace(&self) -> Pace {
+        (**self).pace()
+    }
+    fn read_state(&mut self) -> Result<State, DriverError> {
+        (**self).read_state()
+    }
+    fn torque(&mut self, on: bool) -> Result<(), DriverError> {
+        (**self).torque(on)
+    }
+    fn send(&mut self, command: &Command) -> Result<(), DriverError> {
+        (**self).send(command)
+    }
+    fn stop(&mut self) -> Result<(), DriverError> {
+        (**self).stop()
+    }
+    fn watchdog(&mut self, timeout: Option<Duration>) -> Result<Watchdog, DriverError> {
+        (**self).watchdog(timeout)
+    }
 }

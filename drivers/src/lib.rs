@@ -12,16 +12,25 @@
 //! | [`port`] | bytes to and from a device, each with a deadline |
 //! | [`driver`] | what motion knows of a device: [`Driver`], its joints, state and errors |
 //! | [`simulate`] | devices that are not there: their line, the dynamics of their motors, faults |
+//! | [`unit`] | what one arm out of many has of its own: zeros and signs of its servos |
 //! | [`motion`] | checks, profiles and moves |
 //!
 //! Nothing here panics, waits without a deadline, or spins while it waits.
 #![forbid(unsafe_code)]
 
 pub mod clock;
+pub mod connect;
 pub mod driver;
+pub mod dynamixel;
 pub mod motion;
+pub mod mycobot;
 pub mod port;
 pub mod simulate;
+pub mod unit;
+mod wheels;
+mod workspace_edge;
 
 pub use driver::{Driver, DriverError};
 pub use motion::Command;
+pub use wheels::wheel_speeds;
+pub use workspace_edge::workspace_edge;

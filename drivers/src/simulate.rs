@@ -1,11 +1,12 @@
 //! Devices that are not there.
 //!
 //! A [`SimulatedDevice`] takes bytes and gives bytes, at times that it is told. What joins it to a program is a
-//! [`SimulatedPort`] within one process, on any clock, or a pseudo-terminal or TCP for other programs. [`Faulty`] wraps
+//! [`SimulatedPort`] within one process, on any clock, or, for other programs, a [`Line`] that it is [`serve`]d on. [`Faulty`] wraps
 //! a device and makes its line a bad one. [`Trapezoid`] moves what a device moves.
 
 mod faulty;
 mod port;
+mod serve;
 mod trapezoid;
 
 use crate::clock::Time;
@@ -13,6 +14,9 @@ use std::fmt;
 
 pub use faulty::{Faults, Faulty, Injected};
 pub use port::SimulatedPort;
+#[cfg(unix)]
+pub use serve::Pty;
+pub use serve::{Line, TcpLine, serve};
 pub use trapezoid::Trapezoid;
 
 /// A device made of code: what is on the other end of a line.

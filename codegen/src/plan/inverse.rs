@@ -90,7 +90,7 @@ fn redundant(model: &Model) -> Result<(Problem, Derivation), Refusal> {
 }
 
 /// The full pose as a problem of the table that prescribes it and constrains nothing.
-fn full_pose(free: Vec<usize>) -> Problem {
+pub(super) fn full_pose(free: Vec<usize>) -> Problem {
     Problem {
         name: FULL_POSE.to_owned(),
         target: Target::Pose,

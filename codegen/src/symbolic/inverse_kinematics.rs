@@ -8,6 +8,8 @@
 mod atoms;
 mod candidates;
 mod closure;
+/// Problems without a closed form as chains of six joints.
+pub mod general;
 mod polynomial;
 mod reading;
 mod roots;

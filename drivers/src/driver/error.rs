@@ -85,6 +85,8 @@ pub enum Cause {
         /// What answers.
         got: String,
     },
+    /// It was written several times, and is something else when it is read.
+    Unheeded,
     /// Torque is off.
     TorqueOff,
     /// The device's watchdog has stopped it, or it came back from being away: torque must be switched on anew.
@@ -143,6 +145,7 @@ impl fmt::Display for Cause {
                 write!(f, "{what} is set to {allowed} in the device, the table needs {needed}")
             }
             Self::WrongModel { expected, got } => write!(f, "the table says {expected}, but it is {got}"),
+            Self::Unheeded => f.write_str("written, but it does not stay so"),
             Self::TorqueOff => f.write_str("torque is off"),
             Self::Interrupted => f.write_str("the device was stopped or away: switch torque on anew"),
             Self::Unsupported => f.write_str("the device can't do that"),

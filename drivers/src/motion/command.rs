@@ -14,14 +14,12 @@ pub struct Command {
 
 impl Command {
     /// Of what has been checked: positions (rad or m) and velocities (rad/s or m/s), one a joint.
-    #[cfg_attr(not(test), expect(dead_code, reason = "the checker is not written yet"))]
     pub(super) fn new(fingerprint: u64, positions: Vec<f64>, velocities: Vec<f64>) -> Self {
         Self { fingerprint, positions, velocities }
     }
 
     /// Unchecked, for tests of drivers within this crate.
     #[cfg(test)]
-    #[expect(dead_code, reason = "there is no driver yet")]
     pub(crate) fn for_test(fingerprint: u64, positions: Vec<f64>, velocities: Vec<f64>) -> Self {
         Self::new(fingerprint, positions, velocities)
     }

@@ -82,6 +82,11 @@ impl<D: SimulatedDevice> Faulty<D> {
         }
     }
 
+    /// Begins another sequence of chances.
+    pub fn seed(&mut self, seed: u64) {
+        self.random = Random(seed);
+    }
+
     /// Pulls the plug for a while. The device itself goes on.
     pub fn unplug(&mut self, from: Time, until: Time) {
         self.unplugged = Some((from, until));

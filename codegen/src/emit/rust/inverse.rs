@@ -7,7 +7,7 @@ use super::names::function_suffix;
 use super::number::{self, number};
 use super::text::{Text, clean};
 use crate::model::{Filter, JointKind, Problem, Row, Target};
-use crate::plan::{Function, FunctionKind, Measure, Scalar, Stage, Step, ValueId};
+use crate::plan::{Function, FunctionKind, GeneralChain, Measure, Scalar, Stage, Step, ValueId};
 use dh_core::FULL_POSE;
 
 impl<'a> Printer<'a> {
@@ -35,6 +35,11 @@ impl<'a> Printer<'a> {
         let mut lines = Text::indented(1);
         for (index, (stage, name)) in function.stages.iter().zip(&locals.stages).enumerate() {
             lines.line(self.stage(index, stage, name));
+        }
+        for step in &function.steps {
+            if let Step::General { chain, .. } = step {
+                self.chain(&mut lines, &locals.chain, chain);
+            }
         }
         lines.gap();
         let (numbers, free) = input_patterns(function, problem, &body);
@@ -97,6 +102,41 @@ impl<'a> Printer<'a> {
         let measure = format!("{}::{measure}", self.paths.runtime("Measure"));
         let rows = number::grouped(&format!("{:b}", stage.rows), 4);
         format!("const {name}: {step} = {step}::new({index}, 0b{rows}, {prismatic}, {measure});")
+    }
+
+    /// The chain of a function without a closed form: f64 whatever the scalar, for its polynomials need the digits.
+    fn chain(&self, text: &mut Text, name: &str, chain: &GeneralChain) {
+        let list = |items: Vec<Expression>| Expression::Array(items).flat();
+        let number = |value: f64| {
+            let text = number(value.abs(), super::ScalarType::F64, &self.paths);
+            Expression::Atom(if value < 0.0 { format!("-{text}") } else { text })
+        };
+        let ty = self.paths.runtime("GeneralArm");
+        if chain.links.iter().flat_map(dh_core::Frame::rows).any(number::looks_approximate) {
+            text.line(format!("#[allow({}, reason = \"as the table has it\")]", number::APPROXIMATE));
+        }
+        text.line("#[rustfmt::skip]");
+        text.line(format!("const {name}: {ty}<'static> = {ty} {{"));
+        text.line("    // Rows of [R | p]: before the first joint, between the joints, after the last.");
+        text.line("    links: &[");
+        for link in &chain.links {
+            let rows = link.rows().map(number).to_vec();
+            text.line(format!("        {}::from_rows({}),", self.paths.runtime("Frame"), list(rows)));
+        }
+        text.line("    ],");
+        text.line(format!("    prismatic: &{:?},", chain.prismatic));
+        text.line(format!("    given: &{:?},", chain.given));
+        text.line(format!("    reach: {},", number(chain.reach).flat()));
+        text.line("    charts: &[");
+        for chart in &chain.charts {
+            let dh_core::Chart { dropped, backward, hidden, swapped, divided, degree } = chart;
+            text.line(format!(
+                "        {}::new({dropped}, {backward}, {hidden}, {swapped}, {divided}, {degree}),",
+                self.paths.runtime("Chart")
+            ));
+        }
+        text.line("    ],");
+        text.line("};");
     }
 
     /// What is done with a candidate.
@@ -213,7 +253,7 @@ impl Printer<'_> {
 /// Whether candidates are brought nearer to the pose.
 fn polishes(steps: &[Step]) -> bool {
     steps.iter().any(|step| match step {
-        Step::Solve { body, .. } => polishes(body),
+        Step::Solve { body, .. } | Step::General { body, .. } => polishes(body),
         Step::Accept { polish, .. } => *polish,
         Step::Let { .. } | Step::SinCos { .. } => false,
     })

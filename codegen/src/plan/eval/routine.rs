@@ -6,7 +6,7 @@
 use super::error::PlanError;
 use super::lowering::Lowering;
 use crate::model::{JointKind, Model, Target};
-use crate::plan::{Function, FunctionKind, Measure, Plan, Stage, target_inputs};
+use crate::plan::{Function, FunctionKind, GeneralChain, Measure, Plan, Stage, target_inputs};
 use dh_core::Float;
 
 /// Number of a register.
@@ -51,6 +51,7 @@ pub(super) enum Instruction {
     /// A named value is complete; for traces only.
     Named(Register),
     Solve(Box<Solve>),
+    General(Box<General>),
     /// A candidate: the registers of q, and of the tool frame where there are any.
     Accept {
         q: Vec<Register>,
@@ -68,6 +69,16 @@ pub(super) struct Solve {
     pub(super) angle: bool,
     pub(super) sin_cos: Option<[Register; 2]>,
     pub(super) equation: Kernel,
+    pub(super) body: Vec<Instruction>,
+}
+
+/// For every solution of a chain of six joints: the instructions of `body`.
+#[derive(Debug, Clone)]
+pub(super) struct General {
+    pub(super) stage: usize,
+    pub(super) chain: GeneralChain,
+    pub(super) given: Vec<Register>,
+    pub(super) roots: Vec<Register>,
     pub(super) body: Vec<Instruction>,
 }
 
