@@ -6,7 +6,8 @@ use ::core::f64::consts::{FRAC_PI_2, TAU};
 use ::dh_runtime::{
     FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted,
     NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, Target,
-    TargetKind, Violations, Winding, copy_into, jacobian_from_columns, joint_array,
+    TargetKind, TrackError, Violations, Winding, copy_into, jacobian_from_columns, joint_array,
+    track,
 };
 
 /// Kinematics of the Stanford University Stanford arm: 5 revolute and 1 prismatic joint.
@@ -236,6 +237,28 @@ impl StanfordArm {
     pub fn ik_near(&self, target: &Pose, seed: &[f64; 6]) -> Result<Solutions<6>, IkError> {
         let solutions = self.ik_all(target)?;
         solutions.within(&Self::RULES, tool_point, Some(seed))
+    }
+
+    /// Follows a path of targets from the joint values `start` (rad, or m for joints that slide):
+    /// for each the allowed solution nearest to that before. No joint may go farther than `longest`
+    /// (rad, or m for joints that slide) from one to the next.
+    ///
+    /// # Errors
+    ///
+    /// At which target a joint would have to jump, or why there is no solution; `out` holds the
+    /// joint values of the targets before it.
+    pub fn ik_track(
+        &self,
+        targets: &[Pose],
+        start: &[f64; 6],
+        longest: f64,
+        out: &mut [[f64; 6]],
+    ) -> Result<(), TrackError> {
+        let nearest = |target: &Pose, seed: &[f64; 6]| {
+            let solutions = self.ik_near(target, seed);
+            solutions.map(|solutions| *solutions.nearest(seed))
+        };
+        track(targets, start, longest, out, nearest)
     }
 
     /// This arm with another frame at its tool: the pose (m) of the tool point in the table's tool
@@ -519,11 +542,7 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 }
 
 /// Every solution of the full pose.
-#[allow(
-    clippy::similar_names,
-    clippy::too_many_lines,
-    reason = "the names are those of the equations"
-)]
+#[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Length);
@@ -572,11 +591,8 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
                         let xz4 = c4 * t5 - s4 * t6;
 
                         // theta6: c6 = xx5_2; s6 = xz4 (rows 1 and 2 of the x axis in frame 5)
-                        let mut roots = search.trig_pair(
-                            THETA6,
-                            [1.0, 0.0, xx5_2],
-                            [0.0, 1.0, xz4],
-                        );
+                        let mut roots =
+                            search.trig_pair(THETA6, [1.0, 0.0, xx5_2], [0.0, 1.0, xz4]);
                         while let Some((theta6, s6, c6)) = search.next_angle(&mut roots) {
                             let t7 = c1 * c2;
                             let t8 = s1 * s4 - t7 * c4;
