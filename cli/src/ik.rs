@@ -37,6 +37,10 @@ pub(crate) struct Arguments {
     /// Joint values to be near to, in the table's units.
     #[arg(long, value_name = "Q1,Q2,...", allow_hyphen_values = true)]
     near: Option<List>,
+    /// Values of the joints that the problem leaves to the caller, in the table's units. Left out, a problem that leaves
+    /// one is solved at many values of it.
+    #[arg(long, value_name = "V1,...", allow_hyphen_values = true)]
+    free: Option<List>,
     #[command(flatten)]
     target: target::Flags,
     /// Answer in JSON: solutions (q, errors in m and rad, whether q keeps all limits and rules) and error.
@@ -62,6 +66,7 @@ Targets, by the problem's `target` (dhc check lists them):
 
 Examples:
   dhc ik mycobot --problem tool_down --position 150,-100,70
+  dhc ik panda --position 0.4,0,0.5 --rpy 3.14159,0,0 --free 0.8
   dhc ik scara --problem place --position 0.4,0.2,0.3 --yaw 30 --json
   echo '{\"position\": [150, -100, 70]}' | dhc ik mycobot --problem tool_down --stdin";
 
@@ -75,9 +80,14 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
     let arm = program.interpreter().map_err(|error| robot.unusable(&error))?;
     let near = arguments.near.as_ref().map(|List(near)| robot.units().joints_in_si(near)).transpose()?;
     let mut question = Question::new(&robot, &arm, &arguments.problem, near, arguments.all)?;
+    let free = arguments.free.as_ref().map(|List(free)| free.as_slice());
     if arguments.stdin {
-        return Ok(stream::run(out, |line| answer_line(&mut question, line))?);
+        if arguments.free.is_some() {
+            question.give(free)?;
+        }
+        return Ok(stream::run(out, |line| answer_line(&mut question, line, free))?);
     }
+    question.give(free)?;
     let units = robot.units();
     let target = match arguments.target.target(question.kind(), units) {
         Ok(target) => target,
@@ -85,6 +95,7 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
         Err(target::Trouble::Value(error)) => return failed(arguments, out, question.refusal(&error)),
     };
     if arguments.trace {
+        question.is_given("--trace")?;
         let (steps, outcome) = question.trace(&target);
         return match outcome {
             Ok(answers) => {
@@ -117,9 +128,16 @@ fn failed(arguments: &Arguments, out: &mut dyn Write, refusal: Refusal) -> Resul
 }
 
 /// One line of a stream; only one that is malformed is an error.
-fn answer_line(question: &mut Question<'_>, line: &[u8]) -> Result<Json, Refusal> {
+fn answer_line(question: &mut Question<'_>, line: &[u8], given: Option<&[f64]>) -> Result<Json, Refusal> {
     let units = question.units();
-    let target = match target::read(line, question.kind(), units) {
+    let malformed = |trouble| match trouble {
+        target::Trouble::Form(message) => stream::malformed(message),
+        target::Trouble::Value(error) => stream::malformed(error.to_string()),
+    };
+    let mut fields = target::fields(line, question.kind()).map_err(malformed)?;
+    let free = target::take_free(&mut fields).map_err(malformed)?;
+    question.give(free.as_deref().or(given)).map_err(|refusal| stream::malformed(refusal.message))?;
+    let target = match target::read(&fields, question.kind(), units) {
         Ok(target) => target,
         Err(target::Trouble::Form(message)) => return Err(stream::malformed(message)),
         Err(target::Trouble::Value(error)) => return Ok(nothing(&question.refusal(&error))),
@@ -159,7 +177,11 @@ fn list(question: &Question<'_>, answers: &[Answer], out: &mut dyn Write) -> io:
     let count = answers.len();
     let plural = if count == 1 { "" } else { "s" };
     let what = if question.all() { "in all" } else { "within limits and rules, the nearest first" };
-    writeln!(out, "{}: {count} solution{plural} {what}\n", question.name())?;
+    let swept = question.swept().map_or_else(String::new, |joint| {
+        let values = dh_core::SWEEP_SAMPLES;
+        format!(", of those at {values} values of {} (--free gives one)", clean(joint))
+    });
+    writeln!(out, "{}: {count} solution{plural} {what}{swept}\n", question.name())?;
     let joints: Vec<(JointKind, &str)> = (0..question.dof()).map(|index| units.joint(index)).collect();
     write!(out, "  ")?;
     for (kind, name) in &joints {

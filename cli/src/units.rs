@@ -123,6 +123,34 @@ impl<'m> Units<'m> {
         Ok(values.iter().enumerate().map(si).collect())
     }
 
+    /// Values of some joints (indices of q) as the user gives them, in rad or m.
+    ///
+    /// # Errors
+    /// Too few or too many of them, or one that is not a number.
+    pub(crate) fn some_joints_in_si(self, joints: &[usize], values: &[f64]) -> Result<Vec<f64>, Refusal> {
+        let names: Vec<&str> = joints.iter().map(|joint| self.joint(*joint).1).collect();
+        let (expected, got) = (joints.len(), values.len());
+        if got != expected {
+            let message = format!("{got} values of free joints where {expected} are needed");
+            let refusal = Refusal::new("length", message).with("expected", expected).with("got", got);
+            return Err(match names.as_slice() {
+                [] => refusal.help("the problem leaves no joint to the caller"),
+                names => refusal.help(format!("the problem leaves {} to the caller", names.join(", "))),
+            });
+        }
+        if let Some(place) = values.iter().position(|value| !value.is_finite()) {
+            let name = names.get(place).copied().unwrap_or_default();
+            return Err(
+                Refusal::new("not_finite", format!("the value of {name} is not finite")).with("name", name)
+            );
+        }
+        let si = |(joint, value): (&usize, &f64)| match self.joint(*joint).0 {
+            JointKind::Revolute => self.radians(*value),
+            JointKind::Prismatic => self.metres(*value),
+        };
+        Ok(joints.iter().zip(values).map(si).collect())
+    }
+
     /// A point (m) in the table's unit.
     pub(crate) fn point(self, point: [f64; 3]) -> [f64; 3] {
         point.map(|x| self.length(x))

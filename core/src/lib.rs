@@ -33,6 +33,7 @@ mod solutions;
 mod step;
 mod tables;
 mod target;
+mod travel;
 mod windings;
 
 pub use error::{IkError, LengthError};
@@ -53,6 +54,7 @@ pub use solution_set::{SolutionSet, SolutionView};
 pub use solutions::{Solution, Solutions};
 pub use step::{Measure, Step};
 pub use target::{Numbers, Target, TargetKind};
+pub use travel::{Norm, TrackError, Travel, track};
 pub use windings::Windings;
 
 /// The most joints that a robot may have.

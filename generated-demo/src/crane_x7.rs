@@ -7,8 +7,8 @@ use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
     Arm, FULL_POSE, Float, Frame, FreeValues, IkError, Jacobian, Joint, Kinematics, LengthError,
     Limits, Measure, Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search, Servo,
-    Solution, SolutionSet, Solutions, Step, Target, TargetKind, Violations, Winding, copy_into,
-    jacobian_from_columns, joint_array,
+    Solution, SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Winding,
+    copy_into, jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the RT Corporation CRANE-X7: 7 revolute joints.
@@ -305,6 +305,24 @@ impl CraneX7 {
         let at = |free| solve_pose(target, &[free]);
         let arm = Arm::new(at, pose_and_jacobian);
         Self::REDUNDANCY.nearest(arm, tool_point, target, seed)
+    }
+
+    /// Follows a path of targets from the joint values `start` (rad): for each the allowed solution
+    /// nearest to that before. No joint may go farther than `longest` (rad) from one to the next.
+    ///
+    /// # Errors
+    ///
+    /// At which target a joint would have to jump, or why there is no solution; `out` holds the
+    /// joint values of the targets before it.
+    pub fn ik_track(
+        &self,
+        targets: &[Pose],
+        start: &[f64; 7],
+        longest: f64,
+        out: &mut [[f64; 7]],
+    ) -> Result<(), TrackError> {
+        let nearest = |target: &Pose, seed: &[f64; 7]| self.ik_nearest(target, seed);
+        track(targets, start, longest, out, nearest)
     }
 
     /// Every geometric solution of the table's problem `planar`, limits ignored; joints that turn

@@ -7,7 +7,8 @@ use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
     FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted,
     NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, SumLimit,
-    Target, TargetKind, Violations, Winding, copy_into, jacobian_from_columns, joint_array,
+    Target, TargetKind, TrackError, Violations, Winding, copy_into, jacobian_from_columns,
+    joint_array, track,
 };
 
 /// Kinematics of the UFACTORY uArm Swift Pro: 4 revolute joints.
@@ -238,6 +239,27 @@ impl UArmSwiftPro {
     pub fn ik_near(&self, target: &Pose, seed: &[f64; 4]) -> Result<Solutions<4>, IkError> {
         let solutions = self.ik_all(target)?;
         solutions.within(&Self::RULES, tool_point, Some(seed))
+    }
+
+    /// Follows a path of targets from the joint values `start` (rad): for each the allowed solution
+    /// nearest to that before. No joint may go farther than `longest` (rad) from one to the next.
+    ///
+    /// # Errors
+    ///
+    /// At which target a joint would have to jump, or why there is no solution; `out` holds the
+    /// joint values of the targets before it.
+    pub fn ik_track(
+        &self,
+        targets: &[Pose],
+        start: &[f64; 4],
+        longest: f64,
+        out: &mut [[f64; 4]],
+    ) -> Result<(), TrackError> {
+        let nearest = |target: &Pose, seed: &[f64; 4]| {
+            let solutions = self.ik_near(target, seed);
+            solutions.map(|solutions| *solutions.nearest(seed))
+        };
+        track(targets, start, longest, out, nearest)
     }
 
     /// Every geometric solution of the table's problem `place`, limits ignored; joints that turn

@@ -35,6 +35,10 @@ pub(crate) struct Question<'a> {
     /// Whether `near` was given.
     seeded: bool,
     all: bool,
+    /// Joints that the problem leaves to the caller (indices of q).
+    left: &'a [usize],
+    /// Their values (rad or m); none where they are to be looked for.
+    free: Option<Vec<f64>>,
     set: SolutionSet,
 }
 
@@ -72,8 +76,38 @@ impl<'a> Question<'a> {
             near,
             seeded,
             all,
+            left: info.free,
+            free: info.free.is_empty().then(Vec::new),
             set: SolutionSet::new(),
         })
+    }
+
+    /// Takes the values of free joints, in the table's units.
+    ///
+    /// # Errors
+    /// Where they are not as many as the problem leaves to the caller. One may be left out.
+    pub(crate) fn give(&mut self, values: Option<&[f64]>) -> Result<(), Refusal> {
+        self.free = match (values, self.left) {
+            (None, [_]) => None,
+            (values, left) => Some(self.units().some_joints_in_si(left, values.unwrap_or_default())?),
+        };
+        Ok(())
+    }
+
+    /// Whether all free joints are given.
+    ///
+    /// # Errors
+    /// They are needed for what is asked.
+    pub(crate) fn is_given(&self, what: &str) -> Result<(), Refusal> {
+        let Some(name) = self.swept() else { return Ok(()) };
+        let message = format!("{what} needs the value of {name}, which the problem leaves to the caller");
+        Err(Refusal::new("free", message).help("give it with --free"))
+    }
+
+    /// The free joint that many values are tried of.
+    pub(crate) fn swept(&self) -> Option<&'a str> {
+        let [joint] = self.left else { return None };
+        self.free.is_none().then(|| self.units().joint(*joint).1)
     }
 
     /// Its name.
@@ -109,26 +143,48 @@ impl<'a> Question<'a> {
 
     /// The solutions.
     pub(crate) fn solve(&mut self, target: &Target) -> Result<Vec<Answer>, IkError> {
-        if self.all {
-            self.arm.ik_into(self.name, target, &mut self.set)?;
-        } else {
-            self.arm.ik_within(self.name, target, Some(&self.near), &mut self.set)?;
+        match (&self.free, self.all) {
+            (Some(free), all) => {
+                self.arm.ik_at_into(self.name, target, free, &mut self.set)?;
+                if !all {
+                    self.keep_allowed()?;
+                }
+                Ok(self.answers())
+            }
+            (None, false) => {
+                self.arm.ik_within(self.name, target, Some(&self.near), &mut self.set)?;
+                Ok(self.answers())
+            }
+            (None, true) => self.sweep(target),
         }
-        Ok(self.answers())
+    }
+
+    /// Every solution at every sample of the free joint.
+    fn sweep(&mut self, target: &Target) -> Result<Vec<Answer>, IkError> {
+        let samples = self.arm.redundancy(self.name).into_iter().flat_map(|free| free.samples());
+        let (mut answers, mut refusal) = (Vec::new(), IkError::UnknownProblem);
+        for value in samples.collect::<Vec<f64>>() {
+            match self.arm.ik_at_into(self.name, target, &[value], &mut self.set) {
+                Ok(()) => answers.extend(self.answers()),
+                Err(error) => refusal = error,
+            }
+        }
+        self.sort(&mut answers);
+        if answers.is_empty() { Err(refusal) } else { Ok(answers) }
+    }
+
+    /// Leaves what limits and rules allow.
+    fn keep_allowed(&mut self) -> Result<(), IkError> {
+        let point = |q: &[f64]| self.arm.rules_point(q).unwrap_or([f64::NAN; 3]);
+        self.set.within(&self.arm.rules(), point, Some(&self.near))
     }
 
     /// The same, with every step as text.
     pub(crate) fn trace(&mut self, target: &Target) -> (String, Result<Vec<Answer>, IkError>) {
-        let (arm, all) = (self.arm, self.all);
+        let (arm, free) = (self.arm, self.free.clone().unwrap_or_default());
         let mut trace = trace::Trace::new(self.robot, self.function);
-        let outcome = arm.trace_ik(self.name, target, &[], &mut self.set, |event| trace.event(event));
-        let outcome = outcome.and_then(|()| {
-            if all {
-                return Ok(());
-            }
-            let point = |q: &[f64]| arm.rules_point(q).unwrap_or([f64::NAN; 3]);
-            self.set.within(&arm.rules(), point, Some(&self.near))
-        });
+        let outcome = arm.trace_ik(self.name, target, &free, &mut self.set, |event| trace.event(event));
+        let outcome = outcome.and_then(|()| if self.all { Ok(()) } else { self.keep_allowed() });
         (trace.into_text(), outcome.map(|()| self.answers()))
     }
 
@@ -141,13 +197,18 @@ impl<'a> Question<'a> {
             free: solution.free,
         };
         let mut answers: Vec<Answer> = self.set.iter().map(answer).collect();
+        self.sort(&mut answers);
+        answers
+    }
+
+    /// Of all solutions, the nearest to the seed first, where there is one.
+    fn sort(&self, answers: &mut [Answer]) {
         if self.all && self.seeded {
             let travel = |answer: &Answer| -> f64 {
                 answer.q.iter().zip(&self.near).map(|(a, b)| (a - b) * (a - b)).sum()
             };
             answers.sort_by(|one, other| travel(one).total_cmp(&travel(other)));
         }
-        answers
     }
 }
 

@@ -59,19 +59,46 @@ impl Flags {
     }
 }
 
-/// The target of a kind, from a JSON object.
+/// Keys and values of a line.
+pub(crate) type Fields = serde_json::Map<String, serde_json::Value>;
+
+/// The JSON object of a line.
 ///
 /// # Errors
 /// What is wrong with the line.
-pub(crate) fn read(line: &[u8], kind: TargetKind, units: Units<'_>) -> Result<Target, Trouble> {
-    let form = |message: String| Trouble::Form(message);
-    let value: serde_json::Value =
-        serde_json::from_slice(line).map_err(|error| form(format!("the line is not JSON: {error}")))?;
-    let serde_json::Value::Object(fields) = value else {
-        return Err(form("the line is not an object with the target's keys".to_owned()));
+pub(crate) fn fields(line: &[u8], kind: TargetKind) -> Result<Fields, Trouble> {
+    let value: serde_json::Value = serde_json::from_slice(line)
+        .map_err(|error| Trouble::Form(format!("the line is not JSON: {error}")))?;
+    match value {
+        serde_json::Value::Object(fields) => Ok(fields),
+        _ => Err(Trouble::Form(format!(
+            "the line is not an object with the target's keys, {}",
+            keys(kind, "")
+        ))),
+    }
+}
+
+/// Takes `free` out of a line: the value of the free joint, or a list where there are several.
+///
+/// # Errors
+/// Where it is neither.
+pub(crate) fn take_free(fields: &mut Fields) -> Result<Option<Vec<f64>>, Trouble> {
+    let Some(value) = fields.remove("free") else { return Ok(None) };
+    let numbers = match &value {
+        serde_json::Value::Array(items) => items.iter().map(serde_json::Value::as_f64).collect(),
+        value => value.as_f64().map(|value| vec![value]),
     };
+    numbers.map(Some).ok_or_else(|| Trouble::Form("`free` is not a number or a list of numbers".to_owned()))
+}
+
+/// The target of a kind, from a JSON object.
+///
+/// # Errors
+/// What is wrong with it.
+pub(crate) fn read(fields: &Fields, kind: TargetKind, units: Units<'_>) -> Result<Target, Trouble> {
+    let form = |message: String| Trouble::Form(message);
     let mut given = Vec::new();
-    for (key, value) in &fields {
+    for (key, value) in fields {
         let name = ["position", "quaternion", "direction", "yaw"].into_iter().find(|known| known == key);
         let Some(name) = name else {
             let key = dh_codegen::diagnostic::shortened(key);

@@ -14,7 +14,7 @@ const RESERVED: [&str; 11] =
     ["all", "batch", "track", "free", "at", "near", "sweep", "nearest", "intervals", "into", "within"];
 
 /// Names that begin with these and an underscore would be variants of another problem's functions.
-const VARIANTS: [&str; 5] = ["all_", "at_", "sweep_", "nearest_", "intervals_"];
+const VARIANTS: [&str; 6] = ["all_", "at_", "sweep_", "nearest_", "intervals_", "track_"];
 
 /// Constants that differ by less than this are equal (rad or m).
 const EQUAL: f64 = 1e-9;

@@ -29,7 +29,7 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
     if !named && excess == 1 {
         match redundant(model) {
             Ok((problem, derivation)) => {
-                functions.push(function(None, &problem, &derivation, true, constants))
+                functions.push(function(None, &problem, &derivation, true, constants));
             }
             Err(refusal) => unsolved.push(Unsolved { problem: None, refusal }),
         }

@@ -12,6 +12,7 @@ mod closure;
 pub mod general;
 mod polynomial;
 mod reading;
+mod roots;
 mod samples;
 mod search;
 mod tool;

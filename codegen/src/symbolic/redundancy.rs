@@ -1,7 +1,7 @@
 //! Which joint of an arm with one too many is best left to the caller.
 //!
 //! The joint rates that leave the tool where it is are one direction n, the self-motion. With joint i held, the
-//! determinant of what is left of the Jacobian is proportional to n_i: a joint that hardly takes part in the
+//! determinant of what is left of the Jacobian is proportional to its part of n: a joint that hardly takes part in the
 //! self-motion is a bad one to give, since the others run away where it moves.
 
 use crate::model::product;

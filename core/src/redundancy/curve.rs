@@ -65,11 +65,13 @@ where
             for (basis, part) in done.iter().zip(part) {
                 let share = dot(row, basis);
                 add(row, basis, -share);
-                left = left - share * *part;
+                left -= share * *part;
             }
             let length = dot(row, row).sqrt();
             let inverse = if length > S::from_f64(VANISHING) { S::ONE / length } else { S::ZERO };
-            row.iter_mut().for_each(|x| *x = *x * inverse);
+            for x in row.iter_mut() {
+                *x *= inverse;
+            }
             add(&mut correction, row, left * inverse);
             if let Some(slot) = parts.get_mut(place) {
                 *slot = left * inverse;
@@ -98,7 +100,9 @@ where
                 add(&mut tangent, row, -share);
             }
             let length = dot(&tangent, &tangent).sqrt();
-            tangent.iter_mut().for_each(|x| *x = *x / length);
+            for x in &mut tangent {
+                *x /= length;
+            }
         }
         tangent
     }

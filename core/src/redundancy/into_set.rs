@@ -18,7 +18,7 @@ impl<S: Float> Redundancy<'_, S> {
         out: &mut SolutionSet<S>,
     ) -> Result<(), IkError<S>> {
         out.clear();
-        let solutions = self.swept(arm, problem, target, &self.middle(), |solutions| Ok(solutions))?;
+        let solutions = self.swept(arm, problem, target, &self.middle(), Ok)?;
         out.fill_padded(arm.dof(), solutions);
         Ok(())
     }

@@ -166,7 +166,7 @@ where
         let mut step = if alone { S::TWO * self.distance() } else { most };
         let first = sample(self, start, step * half);
         if alone && !self.returned {
-            step = step / S::from_f64(FINER);
+            step /= S::from_f64(FINER);
         }
         let mut counts = [first; 2];
         let mut index = S::ZERO;

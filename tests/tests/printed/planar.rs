@@ -7,8 +7,8 @@ use ::dh_runtime::nalgebra::Point2;
 use ::dh_runtime::{
     Axis, Bound, Condition, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics,
     LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet,
-    Solutions, Step, Target, TargetKind, Violations, Winding, copy_into, jacobian_from_columns,
-    joint_array,
+    Solutions, Step, Target, TargetKind, TrackError, Violations, Winding, copy_into,
+    jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the None \[of them\] Planar 2R: 2 revolute joints.
@@ -223,6 +223,27 @@ impl Planar2R {
     pub fn ik_near(&self, target: &Pose, seed: &[f64; 2]) -> Result<Solutions<2>, IkError> {
         let solutions = self.ik_all(target)?;
         solutions.within(&Self::RULES, tool_point, Some(seed))
+    }
+
+    /// Follows a path of targets from the joint values `start` (rad): for each the allowed solution
+    /// nearest to that before. No joint may go farther than `longest` (rad) from one to the next.
+    ///
+    /// # Errors
+    ///
+    /// At which target a joint would have to jump, or why there is no solution; `out` holds the
+    /// joint values of the targets before it.
+    pub fn ik_track(
+        &self,
+        targets: &[Pose],
+        start: &[f64; 2],
+        longest: f64,
+        out: &mut [[f64; 2]],
+    ) -> Result<(), TrackError> {
+        let nearest = |target: &Pose, seed: &[f64; 2]| {
+            let solutions = self.ik_near(target, seed);
+            solutions.map(|solutions| *solutions.nearest(seed))
+        };
+        track(targets, start, longest, out, nearest)
     }
 
     /// Every geometric solution of the table's problem `xy`, limits ignored; joints that turn are

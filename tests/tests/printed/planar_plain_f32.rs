@@ -6,7 +6,7 @@ use ::core::f32::consts::TAU;
 use ::dh_runtime::{
     Axis, Bound, Condition, FULL_POSE, Float, Frame, IkError, Joint, Kinematics, LengthError,
     Measure, Mounted, NamedPose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step,
-    Target, TargetKind, Violations, Winding, copy_into, joint_array,
+    Target, TargetKind, TrackError, Violations, Winding, copy_into, joint_array, track,
 };
 
 /// Kinematics of the None \[of them\] Planar 2R: 2 revolute joints.
@@ -224,6 +224,27 @@ impl Planar2R {
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
         let solutions = self.ik_all(target)?;
         solutions.within(&Self::RULES, tool_point, Some(seed))
+    }
+
+    /// Follows a path of targets from the joint values `start` (rad): for each the allowed solution
+    /// nearest to that before. No joint may go farther than `longest` (rad) from one to the next.
+    ///
+    /// # Errors
+    ///
+    /// At which target a joint would have to jump, or why there is no solution; `out` holds the
+    /// joint values of the targets before it.
+    pub fn ik_track(
+        &self,
+        targets: &[Frame<f32>],
+        start: &[f32; 2],
+        longest: f32,
+        out: &mut [[f32; 2]],
+    ) -> Result<(), TrackError<f32>> {
+        let nearest = |target: &Frame<f32>, seed: &[f32; 2]| {
+            let solutions = self.ik_near(target, seed);
+            solutions.map(|solutions| *solutions.nearest(seed))
+        };
+        track(targets, start, longest, out, nearest)
     }
 
     /// Every geometric solution of the table's problem `xy`, limits ignored; joints that turn are

@@ -7,7 +7,7 @@ use super::layout::{Expression, statement};
 use super::targets::Arguments;
 use super::text::{Text, clean};
 use crate::model::Problem;
-use crate::plan::Function;
+use crate::plan::{Function, FunctionKind};
 
 /// What the methods of one problem have in common.
 pub(super) struct Methods<'a> {
@@ -46,11 +46,17 @@ impl Printer<'_> {
                 self.geometric(text, &methods, "at", Some(count));
                 if let [joint] = function.free.as_slice() {
                     self.redundant(text, &methods, *joint);
+                    if problem.is_none_or(Problem::is_whole_pose)
+                        && self.find(&FunctionKind::FkJacobian).is_some()
+                    {
+                        self.track(text, &methods, "self.ik_nearest", "");
+                    }
                 }
             } else {
                 self.geometric(text, &methods, "all", None);
                 self.allowed(text, &methods);
                 self.nearest(text, &methods);
+                self.track(text, &methods, "self.ik", "_near");
             }
         }
     }
@@ -135,6 +141,50 @@ impl Printer<'_> {
         let parameters = methods.parameters(Some(seed));
         text.signature(&format!("pub fn ik{suffix}_near"), &parameters, &self.inverse_result());
         Self::within(text, methods, &format!("{}(seed)", self.paths.prelude("Some")));
+    }
+
+    /// `ik_track`: a path of poses.
+    fn track(&self, text: &mut Text, methods: &Methods<'_>, function: &str, ending: &str) {
+        // Targets of several arguments have no type of their own.
+        if methods.arguments.names != ["target"] {
+            return;
+        }
+        let suffix = &methods.suffix;
+        let units = joint_units(self.model);
+        let (joints, pose) = (self.joints_type(), self.pose_type());
+        text.gap();
+        text.documentation([
+            format!(
+                "Follows a path of targets from the joint values `start` ({units}): for each the allowed solution \
+                 nearest to that before. No joint may go farther than `longest` ({units}) from one to the next."
+            ),
+            "# Errors".to_owned(),
+            "At which target a joint would have to jump, or why there is no solution; `out` holds the joint values of \
+             the targets before it."
+                .to_owned(),
+        ]);
+        allow_case(text, suffix);
+        let parameters = [
+            "&self".to_owned(),
+            format!("targets: &[{pose}]"),
+            format!("start: &{joints}"),
+            format!("longest: {}", self.scalar()),
+            format!("out: &mut [{joints}]"),
+        ];
+        let result = format!("{}<(), {}>", self.paths.prelude("Result"), self.runtime_type("TrackError"));
+        text.signature(&format!("pub fn ik_track{suffix}"), &parameters, &result);
+        if ending.is_empty() {
+            text.line(format!(
+                "let nearest = |target: &{pose}, seed: &{joints}| {function}{suffix}(target, seed);"
+            ));
+        } else {
+            text.open(format!("let nearest = |target: &{pose}, seed: &{joints}| {{"));
+            text.line(format!("let solutions = {function}{suffix}{ending}(target, seed);"));
+            text.line("solutions.map(|solutions| *solutions.nearest(seed))");
+            text.close("};");
+        }
+        text.line(format!("{}(targets, start, longest, out, nearest)", self.paths.runtime("track")));
+        text.close("}");
     }
 
     /// All solutions, and of these the ones that are allowed.

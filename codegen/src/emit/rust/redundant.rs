@@ -54,7 +54,7 @@ impl Printer<'_> {
         allow_case(text, suffix);
         let out = format!("out: &mut [{}]", self.sized_type("Solution"));
         text.signature(&format!("pub fn ik_sweep{suffix}"), &methods.parameters(Some(out)), "usize");
-        self.target_and_at(text, methods);
+        target_and_at(text, methods);
         text.line(format!("Self::{}.sweep(at, out)", constant_name(methods.problem)));
         text.close("}");
     }
@@ -75,7 +75,7 @@ impl Printer<'_> {
         allow_case(text, suffix);
         let out = format!("out: &mut [{limits}]");
         text.signature(&format!("pub fn ik_intervals{suffix}"), &methods.parameters(Some(out)), "usize");
-        self.target_and_at(text, methods);
+        target_and_at(text, methods);
         text.line(format!("Self::{}.intervals(at, tool_point, out)", constant_name(methods.problem)));
         text.close("}");
     }
@@ -106,17 +106,11 @@ impl Printer<'_> {
             self.runtime_type("IkError")
         );
         text.signature(&format!("pub fn ik_nearest{suffix}"), &methods.parameters(Some(seed)), &result);
-        self.target_and_at(text, methods);
+        target_and_at(text, methods);
         let state = self.private_name(&FunctionKind::FkJacobian);
         text.line(format!("let arm = {}::new(at, {state});", self.paths.runtime("Arm")));
         text.line(format!("Self::{}.nearest(arm, tool_point, target, seed)", constant_name(methods.problem)));
         text.close("}");
-    }
-
-    /// The target, and the solutions by the free joint.
-    fn target_and_at(&self, text: &mut Text, methods: &Methods<'_>) {
-        text.laid_out(&statement(text.indent(), "let target =", &methods.arguments.target, ";"));
-        text.line(format!("let at = |free| {}(target, &[free]);", private_name(methods.problem)));
     }
 
     /// `redundancy` of the trait, and what it does with the values of free joints.
@@ -149,6 +143,12 @@ impl Printer<'_> {
         }
         text.close("}");
     }
+}
+
+/// The target, and the solutions by the free joint.
+fn target_and_at(text: &mut Text, methods: &Methods<'_>) {
+    text.laid_out(&statement(text.indent(), "let target =", &methods.arguments.target, ";"));
+    text.line(format!("let at = |free| {}(target, &[free]);", private_name(methods.problem)));
 }
 
 /// `REDUNDANCY`, `REDUNDANCY_TOOL_DOWN`

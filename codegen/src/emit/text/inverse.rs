@@ -26,6 +26,9 @@ pub(super) fn print<'a>(
     let problem = problem.and_then(|index| writer.model.problems.get(index));
     let name = problem.map_or(FULL_POSE, |problem| problem.name.as_str());
     introduction(name, problem, text);
+    for joint in function.free.iter().filter_map(|joint| writer.model.joints.get(*joint)) {
+        text.line(1, &format!("given q{}: left to the caller", joint + 1));
+    }
     // Abbreviations that the derivation names stay; those that only save the program work are put in.
     let named = function.stages.iter().flat_map(|stage| &stage.definitions).map(|(name, _)| name.as_str());
     let model = writer.model;

@@ -68,7 +68,7 @@ pub(super) struct Given {
     pub place: usize,
     /// Index of q.
     pub joint: usize,
-    /// variable = factor * q + at_zero
+    /// variable = factor * q + `at_zero`
     pub factor: f64,
     /// rad or m
     pub at_zero: Offset,

@@ -2,8 +2,9 @@
 
 use super::atoms::{AngleData, Source};
 use super::polynomial::{Atom, Key, Polynomial};
+use super::roots::{by_roots, linear};
 use super::search::{Found, Solved, State, Unknown};
-use super::unknowns::{self, Form, Given, Offset, Unknowns};
+use super::unknowns::{Given, Unknowns};
 use super::{Derivation, Linear, Stage, StageEquation, tool};
 use crate::model::{JointKind, Model, Problem};
 use crate::symbolic::angle::{AngleForm, Turn};
@@ -27,7 +28,7 @@ pub(super) fn write(
         problem.target.input_names().iter().map(|name| writer.arena.leaf(name, Leaf::Known)).collect();
     let stages: Vec<Stage> =
         end.found.iter().enumerate().map(|(index, found)| writer.stage(index, found)).collect();
-    let free = writer.free_by_roots();
+    let free = by_roots(unknowns, end);
     let mut joints: Vec<Linear> = unknowns.joints.iter().map(|form| linear(form, &free)).collect();
     let mut given = vec![String::new(); writer.given()];
     for (free, Given { place, joint, .. }) in unknowns.given() {
@@ -48,33 +49,6 @@ pub(super) fn write(
     let mut arena = writer.arena;
     let tool = tool::entries(&mut arena, model, unknowns, &rows, &stages);
     Derivation { arena, inputs, given, stages, joints, tool }
-}
-
-/// A free variable in terms of what is given and of the roots.
-struct ByRoots {
-    /// (variable, coefficient)
-    terms: Vec<(usize, f64)>,
-    constant: Offset,
-}
-
-/// A form in the free variables, in terms of what is given and of the roots.
-fn linear(form: &Form, free: &[ByRoots]) -> Linear {
-    let width = free.iter().flat_map(|free| &free.terms).map(|term| term.0 + 1).max().unwrap_or(0);
-    let as_forms: Vec<Form> = free
-        .iter()
-        .map(|free| {
-            let mut coefficients = vec![0.0; width];
-            for &(variable, factor) in &free.terms {
-                if let Some(entry) = coefficients.get_mut(variable) {
-                    *entry += factor;
-                }
-            }
-            Form { coefficients, offset: free.constant }
-        })
-        .collect();
-    let combined = unknowns::combine(form, &as_forms);
-    let terms = combined.coefficients.into_iter().enumerate().filter(|(_, x)| x.abs() > 1e-12);
-    Linear { terms: terms.collect(), constant: combined.offset.value() }
 }
 
 struct Writer<'a> {
@@ -219,48 +193,6 @@ impl Writer<'_> {
     /// How many joints are given: their variables come before the roots.
     fn given(&self) -> usize {
         self.unknowns.given().count()
-    }
-
-    /// Every free variable in terms of what is given and of the roots.
-    fn free_by_roots(&self) -> Vec<ByRoots> {
-        let mut free: Vec<ByRoots> = self
-            .unknowns
-            .free
-            .iter()
-            .map(|free| match free.given {
-                Some(given) => ByRoots { terms: vec![(given.place, given.factor)], constant: given.at_zero },
-                None => ByRoots { terms: Vec::new(), constant: Offset::default() },
-            })
-            .collect();
-        for (stage, found) in self.end.found.iter().enumerate().rev() {
-            let stage = self.given() + stage;
-            match &found.unknown {
-                Unknown::Slide(atom) => {
-                    let place = self.end.atoms.slide(*atom).and_then(|index| free.get_mut(index));
-                    if let Some(place) = place {
-                        place.terms.push((stage, 1.0));
-                    }
-                }
-                Unknown::Angle { frequency, at } => {
-                    let sign = f64::from(frequency.get(*at).copied().unwrap_or(1));
-                    let mut sum = BTreeMap::from([(stage, sign)]);
-                    for (angle, k) in self.end.atoms.angles.iter().zip(frequency).enumerate().filter_map(
-                        |(index, (angle, k))| (index != *at && *k != 0).then_some((angle, f64::from(*k))),
-                    ) {
-                        let AngleData::Free(other) = angle else { continue };
-                        for &(root, x) in free.get(*other).map_or(&[][..], |other| &other.terms) {
-                            *sum.entry(root).or_insert(0.0) -= sign * k * x;
-                        }
-                    }
-                    if let Some(AngleData::Free(own)) = self.end.atoms.angles.get(*at)
-                        && let Some(place) = free.get_mut(*own)
-                    {
-                        place.terms = sum.into_iter().filter(|(_, x)| *x != 0.0).collect();
-                    }
-                }
-            }
-        }
-        free
     }
 
     fn atom(&mut self, atom: Atom) -> Expr {
