@@ -9,6 +9,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod arctangent;
 mod error;
 mod float;
 mod frame;
