@@ -174,6 +174,7 @@ impl<S: Float> Mul<&Frame<S>> for &Frame<S> {
 /// let angle: f64 = rotation_error(&Frame::identity().rotation, &turned.rotation);
 /// assert!((angle - 1e-12).abs() < 1e-24);
 /// ```
+#[inline]
 pub fn rotation_error<S: Float>(a: &[[S; 3]; 3], b: &[[S; 3]; 3]) -> S {
     let mut square = S::ZERO;
     for (row_a, row_b) in a.iter().zip(b) {
@@ -187,6 +188,12 @@ pub fn rotation_error<S: Float>(a: &[[S; 3]; 3], b: &[[S; 3]; 3]) -> S {
         let twice = S::TWO * half_sine_square.sqrt();
         return twice + twice * half_sine_square / S::from_f64(6.0);
     }
+    large_angle(a, b)
+}
+
+/// [`rotation_error`], of any but small angles.
+#[inline(never)]
+fn large_angle<S: Float>(a: &[[S; 3]; 3], b: &[[S; 3]; 3]) -> S {
     let [[e11, e12, e13], [e21, e22, e23], [e31, e32, e33]] = matrix_product(&transpose(a), b);
     let twice_sine = norm([e32 - e23, e13 - e31, e21 - e12]);
     let twice_cosine = e11 + e22 + e33 - S::ONE;

@@ -37,10 +37,10 @@ impl<S: Float> Target<S> {
     /// # Errors
     /// [`IkError::WrongTarget`], or those of [`Target::validate`].
     pub fn validate_pose(&self) -> Result<Frame<S>, IkError<S>> {
-        match self.validate_as(TargetKind::Pose)? {
-            Self::Pose(pose) => Ok(pose),
-            _ => Err(IkError::WrongTarget { expected: TargetKind::Pose }),
-        }
+        let Self::Pose(pose) = self else {
+            return Err(IkError::WrongTarget { expected: TargetKind::Pose });
+        };
+        pose.validated()
     }
 }
 

@@ -12,6 +12,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod arctangent;
 mod error;
 mod float;
 mod frame;

@@ -77,6 +77,7 @@ const DEPTH_OF_REFUSED: u32 = u32::MAX;
 impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     /// A new search. The reach (m) of the arm gives tolerances their scale; the windings
     /// ([`Rules::windings`](crate::Rules::windings)) say which whole turns make no difference.
+    #[inline]
     pub fn new(reach: S, windings: &'a [Winding<'a, S>]) -> Self {
         // An arm that has orientations only has no reach; its lengths are all 0, and so are their errors.
         let reach = if reach > S::ZERO && reach.is_finite() { reach } else { S::ONE };
@@ -121,6 +122,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     /// # Errors
     /// Where nothing was: the failure of the branch that came furthest; of several at the same step, the one that
     /// failed by least.
+    #[inline]
     pub fn finish(self) -> Result<Solutions<N, S>, IkError<S>> {
         let mut solutions = self.solutions;
         if self.polished {

@@ -136,7 +136,7 @@ impl<S: Float> Target<S> {
             return Err(IkError::NotFinite);
         }
         Ok(match *self {
-            Self::Pose(frame) => Self::Pose(Frame { rotation: rigid(&frame)?, ..frame }),
+            Self::Pose(frame) => Self::Pose(frame.validated()?),
             Self::Rotation(rotation) => Self::Rotation(rigid(&Frame { rotation, ..Frame::IDENTITY })?),
             Self::PositionDirection { position, direction } => {
                 Self::PositionDirection { position, direction: unit(direction)? }
@@ -236,6 +236,18 @@ impl<S> Deref for Numbers<S> {
     type Target = [S];
     fn deref(&self) -> &[S] {
         self.values.get(..self.len).unwrap_or(&self.values)
+    }
+}
+
+impl<S: Float> Frame<S> {
+    /// The frame with the last decimals of its rotation put right, see [`Target::validate`].
+    pub(crate) fn validated(&self) -> Result<Self, IkError<S>> {
+        let [x, y, z] = self.translation;
+        // Any number that isn't finite makes the sum one that isn't; those of the rotation are found out by `rigid`.
+        if !((x - x) + (y - y) + (z - z) == S::ZERO) {
+            return Err(IkError::NotFinite);
+        }
+        Ok(Self { rotation: rigid(self)?, ..*self })
     }
 }
 
