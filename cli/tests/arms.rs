@@ -78,7 +78,7 @@ fn refusals_say_why_and_move_nothing() {
         ("--joints 4,0", 1, "joint 1 (J1) at 4.000000000 rad is 0.859941327 rad outside its limits"),
         ("--joints 0", 1, "the joints are J1, J2"),
         ("--pose up", 1, "there are zero, test"),
-        ("--problem up --position 0,0", 1, "--problem takes xy, xy_elbow_up, xy_elbow_down"),
+        ("--problem up --position 0,0", 1, "--problem takes pose, xy, xy_elbow_up, xy_elbow_down"),
         ("--problem xy --position 0.2,0.2,0.2", 2, "--position has 3 numbers where 2 are needed"),
         ("--problem xy --position 0.1,0.1 --line", 1, "singular: the smallest singular value is"),
         ("--problem xy --position 0.3,0.1", 1, "out of reach"),
