@@ -4,6 +4,11 @@ use super::angle::{AngleForm, Turn};
 use super::expression::{Arena, Expr, Node};
 
 impl Arena {
+    /// The expression of this structure, if it was made.
+    pub fn find(&self, node: Node) -> Option<Expr> {
+        self.ids.get(&node).copied()
+    }
+
     /// From here on the sine and cosine of every single variable are known, and those of sums and multiples are written
     /// with them by the addition theorems.
     pub fn by_variable(mut self) -> Self {
