@@ -18,7 +18,7 @@ pub(super) fn eliminate<const ROWS: usize, const COLUMNS: usize>(
         }
         greatest = if pivot > greatest { pivot } else { greatest };
         ratio = pivot / greatest;
-        if !(ratio > VANISHING) {
+        if ratio <= VANISHING || ratio.is_nan() {
             return (rank, 0.0);
         }
         for row in rows.iter_mut() {
