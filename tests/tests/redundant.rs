@@ -3,6 +3,14 @@
 //! Tables are drawn: spherical-roll-spherical arms, arms with a spherical shoulder and an offset elbow and wrist, and six
 //! joints on a rail, in both conventions, with directions, offsets and limits.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking"
+)]
+
 use dh_core::{FULL_POSE, Frame, IkError, Kinematics, Limits, SWEEP_SAMPLES, SolutionSet, Target};
 use dh_tests::engine;
 use dh_tests::oracle::Oracle;
