@@ -94,7 +94,7 @@ pub fn verify_or_else(
     let passed =
         |report: &Option<FunctionReport>| report.as_ref().is_some_and(|report| report.failure.is_none());
     let mut found = verification.reports(&plan);
-    for function in verification.others(&plan, &found, next) {
+    for function in others(&plan, &found, next) {
         let functions = plan.functions.iter().filter(|other| other.kind == FunctionKind::Fk);
         let functions = functions.cloned().chain([function.clone()]).collect();
         let alone = Plan { constants: plan.constants.clone(), functions };
@@ -128,6 +128,29 @@ fn diagnostic(model: &Model, function: &FunctionReport, failure: &str) -> Diagno
         },
         _ => warning,
     }
+}
+
+/// Another function for every inverse problem whose functions failed.
+fn others(
+    plan: &Plan,
+    found: &[Option<FunctionReport>],
+    next: impl Fn(Option<usize>) -> Option<Function>,
+) -> Vec<Function> {
+    let passed = |report: &FunctionReport| report.failure.is_none();
+    let reports = || found.iter().flatten();
+    if !reports().any(|report| report.kind == FunctionKind::Fk && passed(report)) {
+        return Vec::new();
+    }
+    let mut failed = Vec::new();
+    for function in &plan.functions {
+        let solved = reports().any(|report| report.kind == function.kind && passed(report));
+        if let (FunctionKind::Inverse(problem), false) = (&function.kind, solved)
+            && !failed.contains(problem)
+        {
+            failed.push(*problem);
+        }
+    }
+    failed.into_iter().filter_map(next).collect()
 }
 
 struct Verification<'m> {
@@ -166,30 +189,6 @@ impl Verification<'_> {
             found.push(Some(report));
         }
         found
-    }
-
-    /// Another function for every inverse problem whose functions failed.
-    fn others(
-        &self,
-        plan: &Plan,
-        found: &[Option<FunctionReport>],
-        next: impl Fn(Option<usize>) -> Option<Function>,
-    ) -> Vec<Function> {
-        let passed = |report: &FunctionReport| report.failure.is_none();
-        let reports = || found.iter().flatten();
-        if !reports().any(|report| report.kind == FunctionKind::Fk && passed(report)) {
-            return Vec::new();
-        }
-        let mut failed = Vec::new();
-        for function in &plan.functions {
-            let solved = reports().any(|report| report.kind == function.kind && passed(report));
-            if let (FunctionKind::Inverse(problem), false) = (&function.kind, solved)
-                && !failed.contains(problem)
-            {
-                failed.push(*problem);
-            }
-        }
-        failed.into_iter().filter_map(next).collect()
     }
 
     /// Runs the last function of a plan, whose others are those that inverse functions rely on, as far as they are sound.

@@ -112,7 +112,7 @@ fn every_target_is_taken_in_its_own_types() -> Result<(), IkError> {
     let turned = arm.ik_all_rotation(&Rotation3::identity()).err();
     assert_eq!(turned, interpreted(&interpreter, "rotation"));
     assert!(matches!(turned, Some(IkError::Failed { rotation_error, .. }) if rotation_error > 1.9));
-    let at = arm.ik_at_given(&Point2::new(0.0, 0.0), &[core::f64::consts::PI]).map(|all| all.len());
+    let at = arm.ik_at_given(&Point2::new(0.0, 0.0), [core::f64::consts::PI]).map(|all| all.len());
     assert!(matches!(at, Err(IkError::Failed { position_error, .. }) if (position_error - 0.1).abs() < 1e-9));
     for arm in [&arm as &dyn Kinematics, &interpreter] {
         let length = arm.ik_into("given", &Target::Xy([0.0; 2]), &mut SolutionSet::new());

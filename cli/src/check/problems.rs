@@ -43,7 +43,8 @@ fn problem(robot: &Robot, index: Option<usize>, name: &str) -> String {
         .collect();
     let given = given(robot, function);
     let way = format!("{}, up to {} solutions", way(function), branches(function));
-    let tried: String = left_out(robot, index).map(|why| format!("    before that, {why}\n")).collect();
+    let tried: Vec<String> = left_out(robot, index).map(|why| format!("    before that, {why}\n")).collect();
+    let tried = tried.concat();
     format!("{title}: {given}{way}\n{tried}    {}\n{}", why(robot, function), columns("    ", &rows))
 }
 

@@ -102,13 +102,11 @@ fn chain(model: &Model, general: &General) -> GeneralChain {
 
 /// `theta3`, `d3`; joints behind the tool are numbered by themselves.
 fn name(joint: &GeneralJoint, behind: &mut usize) -> String {
-    match joint.row {
-        Some(row) => format!("{}{}", if joint.prismatic { "d" } else { "theta" }, row + 1),
-        None => {
-            *behind += 1;
-            format!("tool{behind}")
-        }
+    if let Some(row) = joint.row {
+        return format!("{}{}", if joint.prismatic { "d" } else { "theta" }, row + 1);
     }
+    *behind += 1;
+    format!("tool{behind}")
 }
 
 fn sum(form: &Linear, value: impl Fn(usize) -> Scalar) -> Scalar {

@@ -52,7 +52,9 @@ impl Live {
                 }
                 Step::General { given, body, .. } => {
                     self.mark_steps(body);
-                    given.iter().for_each(|scalar| self.mark(scalar));
+                    for scalar in given {
+                        self.mark(scalar);
+                    }
                 }
                 Step::Accept { q, tool, .. } => q.iter().chain(tool).for_each(|scalar| self.mark(scalar)),
             }
