@@ -21,6 +21,7 @@ pub mod product;
 mod quantity;
 mod reach;
 mod recentre;
+mod reversed;
 mod rows;
 mod rules;
 mod servos;

@@ -8,6 +8,7 @@
 mod atoms;
 mod candidates;
 mod closure;
+mod equation;
 mod polynomial;
 mod reading;
 mod samples;
@@ -18,7 +19,7 @@ mod walk;
 mod writing;
 
 use super::expression::{Arena, Expr};
-use crate::model::{JointKind, Model, Problem};
+use crate::model::{JointKind, Model, Problem, Target};
 
 /// The solution of a problem: steps, and the joint variables in terms of their roots.
 #[derive(Debug, Clone)]
@@ -139,14 +140,32 @@ pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
         return Err(Refusal::Coupling);
     }
     let unknowns = unknowns::eliminate(model, &problem.constraints).map_err(|_| Refusal::Coupling)?;
+    let forward = seen_from(closure::Seen::FromBase, model, problem, &unknowns);
+    match forward {
+        Err(Refusal::NoClosedForm) if problem.target == Target::Pose => {
+            seen_from(closure::Seen::FromTool, model, problem, &unknowns)
+        }
+        result => result,
+    }
+}
+
+/// The same from one end of the chain.
+fn seen_from(
+    seen: closure::Seen,
+    model: &Model,
+    problem: &Problem,
+    unknowns: &unknowns::Unknowns,
+) -> Result<Derivation, Refusal> {
     let mut arena = Arena::default();
     let closure =
-        closure::build(&mut arena, model, problem.target, &unknowns).map_err(|trouble| match trouble {
-            closure::Trouble::Overflow => Refusal::NoClosedForm,
-            closure::Trouble::Target => Refusal::NotByThisMethod,
-        })?;
-    let samples = samples::draw(model, problem.target, &unknowns, &closure.atoms);
-    let open = closure.open(&unknowns);
+        closure::build(&mut arena, model, problem.target, unknowns, seen).map_err(
+            |trouble| match trouble {
+                closure::Trouble::Overflow => Refusal::NoClosedForm,
+                closure::Trouble::Target => Refusal::NotByThisMethod,
+            },
+        )?;
+    let samples = samples::draw(model, problem.target, unknowns, &closure.atoms);
+    let open = closure.open(unknowns);
     let start = search::State {
         atoms: closure.atoms,
         equations: closure.equations,
@@ -155,7 +174,7 @@ pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
         found: Vec::new(),
     };
     match search::run(&arena, start) {
-        Ok(Some(end)) => Ok(writing::write(arena, model, problem, &unknowns, &end)),
+        Ok(Some(end)) => Ok(writing::write(arena, model, problem, unknowns, &end)),
         _ => Err(Refusal::NoClosedForm),
     }
 }

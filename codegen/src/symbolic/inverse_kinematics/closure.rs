@@ -5,76 +5,16 @@
 //! equal, row by row, whatever frame they are written in; which frame is simplest differs from arm to arm.
 
 use super::atoms::{AngleData, Atoms};
+pub(super) use super::equation::{Equation, Origin};
 use super::polynomial::{Overflow, Polynomial};
 use super::unknowns::Unknowns;
-use super::walk::{Vector, Walker};
+use super::walk::{Step, Vector, Walker};
 use crate::model::chain::Element;
 use crate::model::{JointKind, Model, Target};
 use crate::symbolic::expression::{Arena, Expr, Leaf};
 use crate::symbolic::number::Number;
 use crate::symbolic::transform::{Mat3, Rigid};
 use crate::symbolic::{chain, transform};
-use std::fmt;
-
-/// polynomial = 0, and where it comes from.
-#[derive(Debug, Clone)]
-pub(super) struct Equation {
-    pub polynomial: Polynomial,
-    /// Frame and tracked quantity; rows of one group are coordinates of one vector.
-    pub group: usize,
-    /// Where it comes from.
-    pub origin: Origin,
-    /// What its known part is called: `y1`.
-    pub name: String,
-}
-
-/// Where an equation comes from.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Origin {
-    /// Whether it is a sum of squares.
-    pub squares: bool,
-    /// Rows of a vector (1-based); none where `of` says it all.
-    pub rows: Vec<usize>,
-    /// "the position in frame 1"
-    pub of: String,
-    /// A second equation beside it, of another vector.
-    pub and: Option<Box<Origin>>,
-}
-
-impl Origin {
-    fn whole(of: String) -> Self {
-        Self { squares: false, rows: Vec::new(), of, and: None }
-    }
-
-    /// Of two equations together.
-    pub(super) fn with(&self, other: &Self) -> Self {
-        if self.of == other.of && self.squares == other.squares && !self.rows.is_empty() {
-            let rows = [self.rows.as_slice(), &other.rows].concat();
-            return Self { rows, ..self.clone() };
-        }
-        Self { and: Some(Box::new(other.clone())), ..self.clone() }
-    }
-}
-
-/// "squares of rows 1 and 2 of the position in frame 1"
-impl fmt::Display for Origin {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.squares {
-            f.write_str("squares of ")?;
-        }
-        match self.rows.as_slice() {
-            [] => {}
-            [row] => write!(f, "row {row} of ")?,
-            [first, second] => write!(f, "rows {first} and {second} of ")?,
-            _ => f.write_str("all rows of ")?,
-        }
-        f.write_str(&self.of)?;
-        match &self.and {
-            Some(other) => write!(f, "; {other}"),
-            None => Ok(()),
-        }
-    }
-}
 
 /// Why no equations could be written.
 #[derive(Debug, Clone, Copy)]
@@ -89,6 +29,14 @@ impl From<Overflow> for Trouble {
     fn from(_: Overflow) -> Self {
         Self::Overflow
     }
+}
+
+/// The end from which the chain is walked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Seen {
+    FromBase,
+    /// The base is what moves then: an arm with its spherical joint next to the base is one with a spherical wrist.
+    FromTool,
 }
 
 /// Something prescribed that moves with the tool.
@@ -125,15 +73,19 @@ pub(super) fn build(
     model: &Model,
     target: Target,
     unknowns: &Unknowns,
+    seen: Seen,
 ) -> Result<Closure, Trouble> {
-    let plain = model.chain();
+    let plain = match seen {
+        Seen::FromBase => model.chain(),
+        Seen::FromTool => model.chain().reversed(),
+    };
     let mut walker = Walker { arena, model, unknowns, atoms: Atoms::default() };
     walker.angles(&plain);
     let inputs: Vec<Expr> =
         target.input_names().iter().map(|name| walker.arena.leaf(name, Leaf::Known)).collect();
     let mut equations = Vec::new();
     let mut group = 0;
-    for tracked in walker.tracked(&plain, target, &inputs)? {
+    for tracked in walker.tracked(&plain, target, &inputs, seen)? {
         walker.track(&plain, &tracked, &mut group, &mut equations)?;
     }
     if let Some((cos, sin)) = yaw_inputs(target, &inputs) {
@@ -155,11 +107,17 @@ impl Walker<'_> {
         plain: &crate::model::Chain,
         target: Target,
         inputs: &[Expr],
+        seen: Seen,
     ) -> Result<Vec<Tracked>, Trouble> {
         let size = self.size();
         let (zero, one) = (Polynomial::zero(), Polynomial::number(size, Number::ONE));
         let origin = [zero.clone(), zero.clone(), zero.clone()];
         let base = plain.links.first().map_or(&[][..], |link| &link.elements);
+        match (target, inputs) {
+            (Target::Pose, _) => {}
+            _ if seen == Seen::FromTool => return Err(Trouble::Target),
+            _ => {}
+        }
         match (target, inputs) {
             (Target::Position | Target::PositionYaw, [x, y, z, ..]) => {
                 let frame = chain::rigid(self.arena, base);
@@ -208,14 +166,17 @@ impl Walker<'_> {
             }
             (Target::Pose, [a, b, c, x, d, e, f, y, g, h, i, z]) => {
                 let tool = self.behind_last_joint(plain);
-                let rotation = [[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]];
+                let (rotation, [x, y, z]) =
+                    self.seen(seen, [[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]], [*x, *y, *z]);
                 let mut found = self.axes(base, &tool, rotation)?;
-                // The origin of the last joint's frame: p - R tool^T t.
-                let back =
-                    transform::apply(self.arena, &transform::transpose(&tool.rotation), tool.translation);
+                // A point on the last axis, t from the tool's: p - R tool^T t.
+                let (along, tip) = self.foot_on_last_axis(plain)?;
+                let [tx, ty, tz] = tool.translation;
+                let t = [tx, ty, self.arena.add(tz, along)];
+                let back = transform::apply(self.arena, &transform::transpose(&tool.rotation), t);
                 let arm = transform::apply(self.arena, &rotation, back);
                 let frame = chain::rigid(self.arena, base);
-                let origin_of_last = transform::sub(self.arena, [*x, *y, *z], arm);
+                let origin_of_last = transform::sub(self.arena, [x, y, z], arm);
                 let moved = transform::sub(self.arena, origin_of_last, frame.translation);
                 let target = self.behind_base(&frame.rotation, moved, ["px", "py", "pz"], 1)?;
                 found.push(Tracked {
@@ -224,12 +185,47 @@ impl Walker<'_> {
                     point: true,
                     target,
                     after_base: true,
-                    tip: origin,
+                    tip: [zero.clone(), zero, tip],
                     whole: false,
                 });
+                for tracked in found.iter_mut().filter(|_| seen == Seen::FromTool) {
+                    tracked.what = match tracked.what {
+                        "x axis" => "base's x axis",
+                        "y axis" => "base's y axis",
+                        "z axis" => "base's z axis",
+                        _ => "base",
+                    };
+                }
                 Ok(found)
             }
             _ => Err(Trouble::Target),
+        }
+    }
+
+    /// How far the origin of the last joint's frame is beyond the last step before it that isn't along its axis: where that
+    /// axis meets the one before, if they meet. As a length, and as the coordinate of that place.
+    fn foot_on_last_axis(&mut self, plain: &crate::model::Chain) -> Result<(Expr, Polynomial), Overflow> {
+        let (mut along, mut coordinate) = (self.arena.zero(), Polynomial::zero());
+        let before = plain.links.len().checked_sub(2).filter(|index| *index > 0);
+        let elements = before.and_then(|index| plain.links.get(index)).map_or(&[][..], |link| &link.elements);
+        for element in elements.iter().rev() {
+            let Element::Translate { axis: 2, value, name, note } = element else { break };
+            let length = self.arena.parameter(name, *value, 1, note);
+            along = self.arena.add(along, length);
+            coordinate = coordinate.sub(&self.parameter(name, *value, note, 1))?;
+        }
+        Ok((along, coordinate))
+    }
+
+    /// The tool in the base frame, or the base in the tool frame.
+    fn seen(&mut self, seen: Seen, rotation: Mat3, position: transform::Vec3) -> (Mat3, transform::Vec3) {
+        match seen {
+            Seen::FromBase => (rotation, position),
+            Seen::FromTool => {
+                let back = transform::transpose(&rotation);
+                let position = transform::apply(self.arena, &back, position);
+                (back, position.map(|x| self.arena.neg(x)))
+            }
         }
     }
 
@@ -286,24 +282,24 @@ impl Walker<'_> {
     ) -> Result<(), Trouble> {
         let steps = self.steps(plain)?;
         let last = steps.len().saturating_sub(1);
-        // From the tip: the vector in the frame before each joint, the tip first.
-        let mut inner = tracked.tip.clone();
+        // From the tip: the vector in the frame before each joint, the tip first, as far as it stays short.
+        let mut inner = Some(tracked.tip.clone());
         let mut from_tip = Vec::new();
         for (index, (joint, link)) in steps.iter().enumerate().rev() {
             if !(index == last && !tracked.whole && index > 0) {
-                for step in link.iter().rev() {
-                    inner = self.carry(step, inner, tracked.point, false)?;
-                }
+                inner = self.through(link.iter().rev(), inner, tracked.point, false);
             }
             if let Some(joint) = joint {
-                inner = self.carry(joint, inner, tracked.point, false)?;
-                from_tip.push((index, inner.clone()));
+                inner = self.through([joint].into_iter(), inner, tracked.point, false);
+                from_tip.extend(inner.clone().map(|inner| (index, inner)));
             }
         }
         from_tip.reverse();
-        let mut outer = tracked.target.clone();
+        let mut known = Some(tracked.target.clone());
         let mut norms = Vec::new();
         for (index, (joint, link)) in steps.iter().enumerate() {
+            let Some(outer) = known.take() else { break };
+            let mut next = Some(outer.clone());
             if let Some(joint) = joint {
                 let frame = plain.joints.get(index.wrapping_sub(1)).map_or(0, |joint| joint.row);
                 if let Some((_, inner)) = from_tip.iter().find(|(at, _)| *at == index) {
@@ -322,20 +318,19 @@ impl Walker<'_> {
                         });
                     }
                     if tracked.point {
-                        norms.push((frame, squared(&outer)?, squared(inner)?));
+                        norms.push((frame, squared(&outer).unwrap_or(None), squared(inner).unwrap_or(None)));
                     }
                 }
                 *group += 1;
-                outer = self.carry(joint, outer, tracked.point, true)?;
+                next = self.through([joint].into_iter(), next, tracked.point, true);
             }
             if index == last && joint.is_some() {
                 break;
             }
             if index > 0 || !tracked.after_base {
-                for step in link {
-                    outer = self.carry(step, outer, tracked.point, true)?;
-                }
+                next = self.through(link.iter(), next, tracked.point, true);
             }
+            known = next;
         }
         // Where axes meet, a distance knows less of the joints than the coordinates do.
         for (frame, outer, inner) in norms {
@@ -353,6 +348,21 @@ impl Walker<'_> {
             }
         }
         Ok(())
+    }
+
+    /// A vector through steps, unless it grows so long there that no row of it can have one unknown.
+    fn through<'s, 'p: 's>(
+        &mut self,
+        steps: impl Iterator<Item = &'s Step<'p>>,
+        v: Option<Vector>,
+        point: bool,
+        inward: bool,
+    ) -> Option<Vector> {
+        let mut v = v?;
+        for step in steps {
+            v = self.carry(step, v, point, inward).ok()?;
+        }
+        v.iter().any(|entry| entry.len() <= LONGEST_ROW).then_some(v)
     }
 
     /// The heading of the tool's x axis in the base frame is the yaw.
@@ -389,10 +399,10 @@ impl Walker<'_> {
 }
 
 /// Longer rows are not made equations: they never have one unknown.
-const LONGEST_ROW: usize = 96;
+const LONGEST_ROW: usize = 192;
 
 /// Vectors with longer entries are not squared.
-const LONGEST_SQUARED: usize = 12;
+const LONGEST_SQUARED: usize = 24;
 
 /// x^2 + y^2 + z^2, unless it would be too long.
 fn squared(v: &Vector) -> Result<Option<Polynomial>, Overflow> {
