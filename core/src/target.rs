@@ -228,9 +228,8 @@ impl<S> Deref for Numbers<S> {
 impl<S: Float> Frame<S> {
     /// The frame with the last decimals of its rotation put right, see [`Target::validate`].
     pub(crate) fn validated(&self) -> Result<Self, IkError<S>> {
-        let [x, y, z] = self.translation;
-        // Any number that isn't finite makes the sum one that isn't; those of the rotation are found out by `rigid`.
-        if !((x - x) + (y - y) + (z - z) == S::ZERO) {
+        // Those of the rotation are found out by `rigid`.
+        if !self.translation.iter().all(|x| x.is_finite()) {
             return Err(IkError::NotFinite);
         }
         Ok(Self { rotation: rigid(self)?, ..*self })

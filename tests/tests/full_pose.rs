@@ -58,7 +58,7 @@ fn table(rows: &str, skew: bool, random: &mut Random) -> String {
             match letter {
                 'P' => text += "type = \"prismatic\"\n",
                 '-' => text += "direction = -1\n",
-                'C' => text += &format!("couple = {{ J{index} = -1 }}\n"),
+                'C' => text.extend(["couple = { J", &index.to_string(), " = -1 }\n"]),
                 _ => {
                     let Some(key) = keys.next() else { continue };
                     let value = match letter {
@@ -66,7 +66,7 @@ fn table(rows: &str, skew: bool, random: &mut Random) -> String {
                         'T' => random.twist(skew),
                         _ => 0.0,
                     };
-                    text += &format!("{key} = {value}\n");
+                    text.extend([key, " = ", &value.to_string(), "\n"]);
                 }
             }
         }
@@ -96,9 +96,9 @@ fn there_and_back(arm: &dyn Kinematics, oracle: &Oracle, q: &[f64]) -> Result<f6
             return Err(format!("{:?} misses by {off:e}", solution.q));
         }
         let joints = solution.q.iter().zip(q).zip(&chain.joints);
-        let apart = joints.map(|((a, b), row)| match chain.rows[*row].prismatic {
-            true => (a - b).abs(),
-            false => ((a - b + PI).rem_euclid(2.0 * PI) - PI).abs(),
+        let apart = joints.map(|((a, b), row)| {
+            let turns = !chain.rows[*row].prismatic;
+            if turns { ((a - b + PI).rem_euclid(2.0 * PI) - PI).abs() } else { (a - b).abs() }
         });
         nearest = nearest.min(apart.fold(0.0, f64::max));
     }

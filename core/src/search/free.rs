@@ -108,7 +108,7 @@ impl<S: Float> Free<S> {
             let step = half_range / S::from_f64(8.0);
             self.interval = [value - step, value + step];
         }
-        self.refined()
+        Some(self.refined())
     }
 
     fn note(&mut self, failure: Option<Failure<S>>) {
@@ -130,7 +130,7 @@ impl<S: Float> Free<S> {
     }
 
     /// The next value of the golden section.
-    fn refined(&mut self) -> Option<S> {
+    fn refined(&mut self) -> S {
         if let [Some(below), Some(above)] = self.inner {
             let [from, to] = self.interval;
             let [left, right] = self.points();
@@ -141,7 +141,7 @@ impl<S: Float> Free<S> {
             };
         }
         let [left, right] = self.points();
-        Some(if let [None, _] = self.inner { left } else { right })
+        if let [None, _] = self.inner { left } else { right }
     }
 }
 

@@ -59,7 +59,7 @@ impl<'a> Printer<'a> {
             self.private("WINDINGS")
         ));
         body.steps(&mut lines, &function.steps, &|text, candidate| {
-            self.accept(text, candidate, problem, &body)
+            self.accept(text, candidate, problem, &body);
         });
         lines.line("search.finish()");
         let lines = lines.into_string();
