@@ -1,6 +1,6 @@
 //! `dhc check`
 
-mod class;
+mod joints;
 mod problems;
 mod verified;
 
@@ -54,16 +54,19 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
 /// All that is said about one robot.
 fn report(robot: &Robot) -> String {
     let (model, units) = (robot.model(), robot.units());
+    let geometry = model.geometry();
     let reach = fixed(units.length(model.reach()), if units.length_name() == "m" { 4 } else { 1 });
     let fields = [
-        ["joints", &class::joints(model)],
-        ["parallel axes", &class::parallel(model)],
+        ["class", &geometry.class()],
+        ["joints", &joints::written(model)],
         ["reach", &format!("{reach} {}, or less", units.length_name())],
         ["pose", &operations(robot, &FunctionKind::Fk)],
         ["and Jacobian", &operations(robot, &FunctionKind::FkJacobian)],
     ];
     let mut text = format!("{} ({})\n", clean(&model.name), robot.source.name_shown);
     text += &columns("  ", &fields.map(|field| field.map(str::to_owned)));
+    let notes = geometry.near_misses().into_iter().map(|near_miss| ["  note", &near_miss].join(": ") + "\n");
+    text.extend(notes);
     text += &problems::written(robot);
     text += &verified::written(robot);
     text

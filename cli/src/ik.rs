@@ -2,7 +2,7 @@
 
 mod refusal;
 mod solve;
-mod target;
+pub(crate) mod target;
 mod trace;
 
 use crate::failure::{Failure, Refusal, Status};

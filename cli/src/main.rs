@@ -3,8 +3,13 @@
 //! One file a command. Values are in the table's units on the way in and out; what is computed in between is in
 //! radians and metres. Exit status: 0 done, 1 the input is wrong or has no solution, 2 wrong usage.
 
+mod arm;
+mod calibrate;
 mod check;
 mod check_pose;
+mod console;
+mod device;
+mod draw;
 mod equations;
 mod explain;
 mod failure;
@@ -14,8 +19,11 @@ mod ik;
 mod jacobian;
 mod json;
 mod list;
+mod move_arm;
+mod read;
 mod robot;
 mod rule;
+mod sim;
 mod stream;
 mod text;
 mod units;
@@ -55,6 +63,13 @@ enum Command {
     Jacobian(jacobian::Arguments),
     Ik(Box<ik::Arguments>),
     CheckPose(check_pose::Arguments),
+    Sim(sim::Arguments),
+    Read(read::Arguments),
+    #[command(name = "move")]
+    Move(Box<move_arm::Arguments>),
+    Draw(draw::Arguments),
+    Console(console::Arguments),
+    Calibrate(calibrate::Arguments),
     Explain(explain::Arguments),
 }
 
@@ -68,6 +83,12 @@ impl Command {
             Command::Jacobian(arguments) => jacobian::run(arguments, out),
             Command::Ik(arguments) => ik::run(arguments, out),
             Command::CheckPose(arguments) => check_pose::run(arguments, out),
+            Command::Sim(arguments) => sim::run(arguments, out),
+            Command::Read(arguments) => read::run(arguments, out),
+            Command::Move(arguments) => move_arm::run(arguments, out),
+            Command::Draw(arguments) => draw::run(arguments, out),
+            Command::Console(arguments) => console::run(arguments, out),
+            Command::Calibrate(arguments) => calibrate::run(arguments, out),
             Command::Explain(arguments) => explain::run(arguments, out),
         }
     }
@@ -79,7 +100,16 @@ impl Command {
             Command::Jacobian(arguments) => arguments.json,
             Command::Ik(arguments) => arguments.json,
             Command::CheckPose(arguments) => arguments.json,
-            Command::Check(_) | Command::Equations(_) | Command::Generate(_) | Command::Explain(_) => false,
+            Command::Read(arguments) => arguments.json,
+            Command::Move(arguments) => arguments.json,
+            Command::Draw(arguments) => arguments.json,
+            Command::Check(_)
+            | Command::Equations(_)
+            | Command::Generate(_)
+            | Command::Sim(_)
+            | Command::Console(_)
+            | Command::Calibrate(_)
+            | Command::Explain(_) => false,
         }
     }
 }

@@ -56,13 +56,24 @@ pub fn compile(text: &str, level: Level) -> Compilation {
     let outline = model.as_ref().map(outline).unwrap_or_default();
     let output = match model {
         Some(model) if !diagnostics.has_errors() => {
-            let (plan, unsolved) = plan::build(&model);
+            let (mut plan, unsolved) = plan::build(&model);
+            let general = |problem| plan::general(&model, problem).ok();
+            let unsolved: Vec<Unsolved> = unsolved
+                .into_iter()
+                .filter_map(|unsolved| match general(unsolved.problem) {
+                    Some(function) => {
+                        plan.functions.push(function);
+                        None
+                    }
+                    None => Some(unsolved),
+                })
+                .collect();
             for problem in &unsolved {
                 if let Some(diagnostic) = not_solved(&model, problem) {
                     diagnostics.push(diagnostic);
                 }
             }
-            let (plan, report) = verify::verify(&model, plan, level, &mut diagnostics);
+            let (plan, report) = verify::verify_or_else(&model, plan, level, general, &mut diagnostics);
             Some(Output { model, plan, report, unsolved })
         }
         _ => None,

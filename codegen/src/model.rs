@@ -12,6 +12,8 @@ mod check;
 mod constraint;
 mod fingerprint;
 mod form;
+// How the joint axes lie to each other.
+pub mod geometry;
 mod linear;
 mod names;
 mod placement;
@@ -21,7 +23,6 @@ pub mod product;
 mod quantity;
 mod reach;
 mod recentre;
-mod reversed;
 mod rows;
 mod rules;
 mod servos;
@@ -30,6 +31,7 @@ mod topology;
 pub use angle::EXACT_ANGLE_TOLERANCE;
 pub use chain::Chain;
 pub use check::check;
+pub use geometry::Geometry;
 
 /// Byte range in the table's text.
 pub type Span = Range<usize>;
@@ -325,6 +327,13 @@ pub struct Problem {
     pub span: Span,
     /// 1-based line of the entry's header.
     pub line: usize,
+}
+
+impl Problem {
+    /// Whether it prescribes the whole pose of the tool frame and nothing else.
+    pub fn is_whole_pose(&self) -> bool {
+        self.target == Target::Pose && self.constraints.is_empty() && self.filters.is_empty()
+    }
 }
 
 /// What an inverse problem prescribes; the rows of `table-format`'s list.

@@ -9,9 +9,11 @@ pub mod eval;
 #[cfg(test)]
 pub(crate) mod fixtures;
 mod forward;
+mod general;
 mod inverse;
 mod schedule;
 
+pub use general::GeneralChain;
 pub use inverse::Unsolved;
 
 /// Every function that the robot has, and the problems that have none.
@@ -21,6 +23,29 @@ pub fn build(model: &crate::model::Model) -> (Plan, Vec<Unsolved>) {
     let (inverse, unsolved) = inverse::functions(model, &mut constants);
     functions.extend(inverse);
     (Plan { constants: constants.into_list(), functions }, unsolved)
+}
+
+/// A function that finds all joints of an inverse problem (an index into `Model::problems`, or the full pose) at once,
+/// for what has no closed form or whose closed form does not stand verification.
+///
+/// # Errors
+/// Why there is none.
+pub fn general(
+    model: &crate::model::Model,
+    problem: Option<usize>,
+) -> Result<Function, crate::symbolic::inverse_kinematics::Refusal> {
+    use crate::symbolic::{inverse_kinematics::Refusal, redundancy};
+    if let Some(index) = problem {
+        let entry = model.problems.get(index).ok_or(Refusal::NotByThisMethod)?;
+        return general::function(model, problem, entry);
+    }
+    let excess = model.joints.len().saturating_sub(crate::model::Target::Pose.rows());
+    let choices = if excess == 1 { redundancy::joints(model) } else { Vec::new() };
+    let mut choices = choices.into_iter().map(|joint| inverse::full_pose(vec![joint]));
+    let first = choices.next().unwrap_or_else(|| inverse::full_pose(Vec::new()));
+    choices.fold(general::function(model, None, &first), |found, other| {
+        found.or_else(|refusal| general::function(model, None, &other).map_err(|_| refusal))
+    })
 }
 
 /// All functions of one robot.
@@ -81,6 +106,8 @@ pub struct Function {
     pub values: Vec<String>,
     /// How many of `values` are inputs.
     pub inputs: usize,
+    /// Joints that the caller gives (indices of q), behind the target's numbers among the inputs.
+    pub free: Vec<usize>,
     /// What is computed, in order.
     pub steps: Vec<Step>,
     /// Results of forward functions.
@@ -139,6 +166,19 @@ pub enum Step {
         /// The equation.
         equation: Equation,
         /// What follows for each root.
+        body: Vec<Step>,
+    },
+    /// All unknowns at once: for every solution of a chain of six joints, the steps of `body`.
+    General {
+        /// Which stage.
+        stage: usize,
+        /// The chain.
+        chain: GeneralChain,
+        /// Values of the chain's given joints (rad or m).
+        given: Vec<Scalar>,
+        /// The six others, defined inside `body`.
+        roots: Vec<ValueId>,
+        /// What follows for each solution.
         body: Vec<Step>,
     },
     /// A candidate: the joint variables q, one a joint (not yet wrapped into (-pi, pi], nor checked).

@@ -1,7 +1,8 @@
 //! Stage 3: model -> equations. Expressions are hash-consed and never changed.
 //!
 //! `number`, `angle` and `expression` are the algebra; `transform` and `chain` write the robot in it;
-//! `forward_kinematics`, `jacobian` and `inverse_kinematics` derive the equations.
+//! `forward_kinematics`, `jacobian` and `inverse_kinematics` derive the equations; `redundancy` says which joint to give
+//! where there is one too many.
 
 mod addition;
 pub mod angle;
@@ -11,6 +12,7 @@ pub mod forward_kinematics;
 pub mod inverse_kinematics;
 pub mod jacobian;
 pub mod number;
+pub mod redundancy;
 pub mod text;
 pub mod transform;
 

@@ -78,10 +78,29 @@ impl Tolerance {
 /// Runs every function of a plan; those that fail are reported and left out of the plan that is returned. Of several
 /// that solve one inverse problem, the first that stands it is kept; those behind it are neither run nor reported.
 pub fn verify(model: &Model, plan: Plan, level: Level, diagnostics: &mut Diagnostics) -> (Plan, Report) {
+    verify_or_else(model, plan, level, |_| None, diagnostics)
+}
+
+/// The same; where no function of an inverse problem stands it (an index into `Model::problems`, or the full pose),
+/// `next` is asked for another one.
+pub fn verify_or_else(
+    model: &Model,
+    mut plan: Plan,
+    level: Level,
+    next: impl Fn(Option<usize>) -> Option<Function>,
+    diagnostics: &mut Diagnostics,
+) -> (Plan, Report) {
     let verification = Verification { model, level, reach: model.reach() };
-    let found = verification.reports(&plan);
     let passed =
         |report: &Option<FunctionReport>| report.as_ref().is_some_and(|report| report.failure.is_none());
+    let mut found = verification.reports(&plan);
+    for function in verification.others(&plan, &found, next) {
+        let functions = plan.functions.iter().filter(|other| other.kind == FunctionKind::Fk);
+        let functions = functions.cloned().chain([function.clone()]).collect();
+        let alone = Plan { constants: plan.constants.clone(), functions };
+        found.push(verification.reports(&alone).pop().flatten());
+        plan.functions.push(function);
+    }
     let functions = plan.functions.into_iter().zip(&found);
     let functions = functions.filter(|(_, report)| passed(report)).map(|(function, _)| function).collect();
     let report = Report { functions: found.into_iter().flatten().collect() };
@@ -149,6 +168,30 @@ impl Verification<'_> {
         found
     }
 
+    /// Another function for every inverse problem whose functions failed.
+    fn others(
+        &self,
+        plan: &Plan,
+        found: &[Option<FunctionReport>],
+        next: impl Fn(Option<usize>) -> Option<Function>,
+    ) -> Vec<Function> {
+        let passed = |report: &FunctionReport| report.failure.is_none();
+        let reports = || found.iter().flatten();
+        if !reports().any(|report| report.kind == FunctionKind::Fk && passed(report)) {
+            return Vec::new();
+        }
+        let mut failed = Vec::new();
+        for function in &plan.functions {
+            let solved = reports().any(|report| report.kind == function.kind && passed(report));
+            if let (FunctionKind::Inverse(problem), false) = (&function.kind, solved)
+                && !failed.contains(problem)
+            {
+                failed.push(*problem);
+            }
+        }
+        failed.into_iter().filter_map(next).collect()
+    }
+
     /// Runs the last function of a plan, whose others are those that inverse functions rely on, as far as they are sound.
     fn run(&self, plan: &Plan, references: &[Reference<'_>], report: &mut FunctionReport) {
         let program = match Program::new(self.model, plan) {
@@ -161,7 +204,8 @@ impl Verification<'_> {
         if report.inverse.is_none() {
             forward::verify(&program, references, self.reach, report);
         } else if plan.functions.iter().any(|function| function.kind == FunctionKind::Fk) {
-            self.inverse(&program, report);
+            let free = plan.functions.last().map_or(&[][..], |function| &function.free);
+            self.inverse(&program, free, report);
         } else {
             report.failure = Some("it relies on `fk`, which failed".to_owned());
         }
@@ -169,13 +213,14 @@ impl Verification<'_> {
 
     /// The report on a function before it is run.
     fn prepare(&self, plan: &Plan, function: &Function) -> FunctionReport {
-        let mut report = FunctionReport::new(function.kind.clone(), name(self.model, &function.kind));
+        let mut report =
+            FunctionReport::new(function.kind.clone(), name(self.model, &function.kind, &function.free));
         report.failure =
             Program::<f64>::check(self.model, plan, function).err().map(|error| error.to_string());
         report
     }
 
-    fn inverse(&self, program: &Program<'_>, report: &mut FunctionReport) {
+    fn inverse(&self, program: &Program<'_>, free: &[usize], report: &mut FunctionReport) {
         let FunctionKind::Inverse(problem) = report.kind else {
             return;
         };
@@ -186,6 +231,7 @@ impl Verification<'_> {
             program,
             problem,
             constraints: &constraints,
+            free,
             windings: &program.windings(),
             reach: self.reach,
         };
@@ -194,16 +240,17 @@ impl Verification<'_> {
 }
 
 /// The name of a function in generated code.
-fn name(model: &Model, kind: &FunctionKind) -> String {
+fn name(model: &Model, kind: &FunctionKind, free: &[usize]) -> String {
+    let all = if free.is_empty() { "ik_all" } else { "ik_at" };
     match kind {
         FunctionKind::Fk => "fk".to_owned(),
         FunctionKind::FkFlange => "fk_flange".to_owned(),
         FunctionKind::Jacobian => "jacobian".to_owned(),
         FunctionKind::FkJacobian => "fk_jacobian".to_owned(),
         FunctionKind::Frames => "frames".to_owned(),
-        FunctionKind::Inverse(None) => "ik_all".to_owned(),
+        FunctionKind::Inverse(None) => all.to_owned(),
         FunctionKind::Inverse(Some(index)) => {
-            model.problems.get(*index).map_or_else(String::new, |problem| format!("ik_all_{}", problem.name))
+            model.problems.get(*index).map_or_else(String::new, |problem| format!("{all}_{}", problem.name))
         }
     }
 }

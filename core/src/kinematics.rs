@@ -1,6 +1,8 @@
 //! One robot as motion, drivers and the command line see it.
 
-use crate::{Float, Frame, IkError, Joint, LengthError, Rules, SolutionSet, Target, TargetKind, Violations};
+use crate::{
+    Float, Frame, IkError, Joint, LengthError, Redundancy, Rules, SolutionSet, Target, TargetKind, Violations,
+};
 
 /// The name of the inverse problem of the full pose.
 pub const FULL_POSE: &str = "pose";
@@ -61,11 +63,37 @@ pub trait Kinematics<S: Float = f64> {
     /// Where `q` has the wrong length, or `out` is shorter than `dof()`.
     fn jacobian_into(&self, q: &[S], out: &mut [[S; 6]]) -> Result<(), LengthError>;
 
-    /// Every geometric solution of an inverse problem ([`FULL_POSE`] or a name of the table), limits ignored.
+    /// Every geometric solution of an inverse problem ([`FULL_POSE`] or a name of the table), limits ignored. Of a
+    /// problem that leaves one joint to the caller ([`Kinematics::redundancy`]), those of a sweep over its values that
+    /// are nearest to the middle of the limits; the set counts what found no room.
     ///
     /// # Errors
-    /// Why there is none; `out` is empty then.
+    /// Why there is none; `out` is empty then. [`IkError::Length`] where a problem leaves several joints to the caller.
     fn ik_into(&self, problem: &str, target: &Target<S>, out: &mut SolutionSet<S>) -> Result<(), IkError<S>>;
+
+    /// The same with the joints that the problem leaves to the caller at `free` (rad or m, in the order of
+    /// [`ProblemInfo::free`]).
+    ///
+    /// # Errors
+    /// Why there is none; `out` is empty then. [`IkError::Length`] where `free` has the wrong length.
+    fn ik_at_into(
+        &self,
+        problem: &str,
+        target: &Target<S>,
+        free: &[S],
+        out: &mut SolutionSet<S>,
+    ) -> Result<(), IkError<S>> {
+        out.clear();
+        LengthError::check(0, free.len())?;
+        self.ik_into(problem, target, out)
+    }
+
+    /// How the solutions of a problem hang on the one joint that it leaves to the caller; `None` where it leaves none,
+    /// or several.
+    fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, S>> {
+        let _ = problem;
+        None
+    }
 
     /// How many joints it has.
     fn dof(&self) -> usize {
@@ -85,7 +113,10 @@ pub trait Kinematics<S: Float = f64> {
         self.fk(q).map(|tool| tool.translation)
     }
 
-    /// The solutions that limits and rules allow: see [`Solutions::within`](crate::Solutions::within).
+    /// The solutions that limits and rules allow: see [`Solutions::within`](crate::Solutions::within). Where one joint
+    /// is left to the caller: those of a sweep over its values that are nearest to the seed (without one, to the middle
+    /// of the limits); of the full pose with a seed the first is the nearest that there is, see
+    /// [`Redundancy::nearest`].
     ///
     /// # Errors
     /// Why there is none; `out` is empty then.
@@ -96,6 +127,9 @@ pub trait Kinematics<S: Float = f64> {
         seed: Option<&[S]>,
         out: &mut SolutionSet<S>,
     ) -> Result<(), IkError<S>> {
+        if let Some(redundancy) = self.redundancy(problem) {
+            return redundancy.within_into(self, problem, target, seed, out);
+        }
         self.ik_into(problem, target, out)?;
         // The solutions have the right length: the point is always there.
         out.within(&self.rules(), |q| self.rules_point(q).unwrap_or([S::NAN; 3]), seed)
@@ -146,6 +180,18 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Kinematics<S> for &K {
     }
     fn ik_into(&self, problem: &str, target: &Target<S>, out: &mut SolutionSet<S>) -> Result<(), IkError<S>> {
         (**self).ik_into(problem, target, out)
+    }
+    fn ik_at_into(
+        &self,
+        problem: &str,
+        target: &Target<S>,
+        free: &[S],
+        out: &mut SolutionSet<S>,
+    ) -> Result<(), IkError<S>> {
+        (**self).ik_at_into(problem, target, free, out)
+    }
+    fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, S>> {
+        (**self).redundancy(problem)
     }
     fn rules_point(&self, q: &[S]) -> Result<[S; 3], LengthError> {
         (**self).rules_point(q)

@@ -9,10 +9,14 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[cfg(test)]
+extern crate std;
+
 mod arctangent;
 mod error;
 mod float;
 mod frame;
+mod general;
 mod generated;
 mod joint;
 mod kinematics;
@@ -21,6 +25,7 @@ mod mounted;
 mod nalgebra_types;
 mod polish;
 mod quaternion;
+mod redundancy;
 mod rules;
 mod search;
 mod selection;
@@ -34,6 +39,7 @@ mod windings;
 pub use error::{IkError, LengthError};
 pub use float::Float;
 pub use frame::{Frame, rotation_error};
+pub use general::{Chart, GeneralArm, Outcome, SixJoints};
 pub use generated::{copy_into, joint_array};
 pub use joint::{Joint, JointKind, Limits, NamedPose, Servo};
 pub use kinematics::{FULL_POSE, Kinematics, ProblemInfo};
@@ -41,8 +47,9 @@ pub use mounted::{Mounted, MountingFrame};
 #[cfg(feature = "nalgebra")]
 pub use nalgebra_types::{Jacobian, Pose, jacobian_from_columns};
 pub use polish::{Polished, polish};
+pub use redundancy::{Arm, FreeValues, Redundancy, SWEEP_SAMPLES};
 pub use rules::{Axis, Bound, KeepOut, Rule, Rules, Side, SumLimit, Violation, Violations, Winding};
-pub use search::{Condition, Roots, Search};
+pub use search::{Candidates, Condition, Roots, Search};
 pub use solution_set::{SolutionSet, SolutionView};
 pub use solutions::{Solution, Solutions};
 pub use step::{Measure, Step};

@@ -4,8 +4,8 @@ use core::fmt;
 
 use crate::frame::{add, cross};
 use crate::{
-    Float, Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Rules, SolutionSet, Target,
-    TargetKind,
+    Float, Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rules, SolutionSet,
+    Target, TargetKind,
 };
 
 /// A robot that stands on `base` and carries `tool`: frames known only at run time, besides those of its table.
@@ -113,6 +113,14 @@ impl<K, S: Float> Mounted<K, S> {
     }
 }
 
+impl<K: Kinematics<S>, S: Float> Mounted<K, S> {
+    /// Errors of solutions against the target of the mounted tool.
+    fn measure(&self, target: &Target<S>, out: &mut SolutionSet<S>) {
+        let error = (S::INFINITY, S::INFINITY);
+        out.measure(|q| self.fk(q).map_or(error, |tool| target.errors(&tool)));
+    }
+}
+
 impl<K: Kinematics<S>, S: Float> Kinematics<S> for Mounted<K, S> {
     fn name(&self) -> &str {
         self.arm.name()
@@ -173,9 +181,26 @@ impl<K: Kinematics<S>, S: Float> Kinematics<S> for Mounted<K, S> {
         out.clear();
         let target = target.validate()?;
         self.arm.ik_into(problem, &self.target_of_arm(&target)?, out)?;
-        let error = (S::INFINITY, S::INFINITY);
-        out.measure(|q| self.fk(q).map_or(error, |tool| target.errors(&tool)));
+        self.measure(&target, out);
         Ok(())
+    }
+
+    fn ik_at_into(
+        &self,
+        problem: &str,
+        target: &Target<S>,
+        free: &[S],
+        out: &mut SolutionSet<S>,
+    ) -> Result<(), IkError<S>> {
+        out.clear();
+        let target = target.validate()?;
+        self.arm.ik_at_into(problem, &self.target_of_arm(&target)?, free, out)?;
+        self.measure(&target, out);
+        Ok(())
+    }
+
+    fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, S>> {
+        self.arm.redundancy(problem)
     }
 
     fn rules_point(&self, q: &[S]) -> Result<[S; 3], LengthError> {

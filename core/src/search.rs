@@ -3,12 +3,14 @@
 
 mod conditions;
 mod free;
+mod general;
 mod polynomial;
 mod pose;
 mod roots;
 mod trigonometric;
 
 pub use conditions::Condition;
+pub use general::Candidates;
 pub use roots::Roots;
 
 use crate::{Float, IkError, Rule, Solution, Solutions, Step, Winding, residual_tolerance};

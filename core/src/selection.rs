@@ -92,11 +92,7 @@ fn representative<const N: usize, S: Float>(
             }
         }
     }
-    let mut q = solution.q;
-    for winding in rules.windings {
-        let turns = turns_towards(winding, rules, &q, &reference);
-        winding.apply(&mut q, turns);
-    }
+    let q = nearest_winding(rules, &solution.q, &reference);
     let carried = rules.windings.iter().any(|winding| !winding.carries.is_empty());
     let outside = furthest_outside(rules, &q);
     let sum = rules.broken_sum(&q);
@@ -118,6 +114,21 @@ fn representative<const N: usize, S: Float>(
         (None, Some(rule)) => Err(Refusal::Rule(rule)),
         (None, None) => Ok(clamped(q, rules)),
     }
+}
+
+/// The winding of joint values that is to be compared with a reference: inside the limits where whole turns, joint by
+/// joint, bring it there; else nearest to the reference.
+pub(crate) fn nearest_winding<const N: usize, S: Float>(
+    rules: &Rules<'_, S>,
+    q: &[S; N],
+    reference: &[S; N],
+) -> [S; N] {
+    let mut nearest = *q;
+    for winding in rules.windings {
+        let turns = turns_towards(winding, rules, &nearest, reference);
+        winding.apply(&mut nearest, turns);
+    }
+    nearest
 }
 
 /// How many turns bring the winding's joint inside its limits and nearest to the reference; where none does, nearest

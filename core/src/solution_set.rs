@@ -73,9 +73,24 @@ impl<S: Float> SolutionSet<S> {
         self.solutions.len()
     }
 
+    /// How many solutions found no room.
+    pub fn dropped(&self) -> usize {
+        self.solutions.dropped()
+    }
+
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.solutions.is_empty()
+    }
+
+    /// The solutions with their joint values padded by 0.
+    pub(crate) fn into_padded(self) -> Solutions<MAX_JOINTS, S> {
+        self.solutions
+    }
+
+    /// Replaces what is in it by padded solutions.
+    pub(crate) fn fill_padded(&mut self, dof: usize, solutions: Solutions<MAX_JOINTS, S>) {
+        *self = Self { dof, solutions };
     }
 
     /// The solution at this place.

@@ -87,6 +87,22 @@ impl<const N: usize, S: Float> Solutions<N, S> {
         }
     }
 
+    /// Adds a solution to those that are sorted by their joint travel from `q`. Where the set is full, the farthest is
+    /// counted in [`Solutions::dropped`] instead.
+    pub(crate) fn insert_by_distance(&mut self, solution: Solution<N, S>, q: &[S; N]) {
+        let own = travel(&solution.q, q);
+        let place = self.iter().position(|other| own < travel(&other.q, q)).unwrap_or(self.len);
+        if self.len == MAX_SOLUTIONS {
+            self.dropped += 1;
+        } else {
+            self.len += 1;
+        }
+        let mut moved = solution;
+        for slot in self.as_mut_slice().iter_mut().skip(place) {
+            core::mem::swap(slot, &mut moved);
+        }
+    }
+
     /// Leaves only solutions that meet their target to this, where there are any.
     pub(crate) fn drop_misses(&mut self, reach: S) {
         let most = S::from_f64(EXACT) * S::EPSILON;

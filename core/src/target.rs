@@ -147,6 +147,20 @@ impl<S: Float> Target<S> {
         })
     }
 
+    /// A tool frame that meets the target: the only one that meets a pose. `None` where the target has no point or
+    /// prescribes the tool of planar arms only.
+    pub fn frame(&self) -> Option<Frame<S>> {
+        Some(match self {
+            Self::Pose(frame) => *frame,
+            Self::Position(position) | Self::Lookat(position) => Frame::from_translation(*position),
+            Self::PositionDirection { position, direction } | Self::Ray { position, direction } => {
+                Frame { rotation: along(*direction), translation: *position }
+            }
+            Self::PositionYaw { position, yaw } => Frame::from_rpy(*position, [S::ZERO, S::ZERO, *yaw]),
+            Self::Rotation(_) | Self::Direction(_) | Self::Xy(_) | Self::XyYaw { .. } => return None,
+        })
+    }
+
     /// How far a tool frame is from the target, in what the target prescribes: position (m) and rotation error (rad).
     ///
     /// The position error of a ray is the distance of the tool point from the line, that of a lookat target the distance of
@@ -267,6 +281,15 @@ fn unit<S: Float>(direction: [S; 3]) -> Result<[S; 3], IkError<S>> {
     let scaled = direction.map(|x| x / greatest);
     let length = norm(scaled);
     if length.is_finite() { Ok(scaled.map(|x| x / length)) } else { Err(IkError::NotFinite) }
+}
+
+/// A rotation whose z axis is a unit vector, without a case in which it loses digits \[Duff et al. 2017, Building an
+/// orthonormal basis, revisited\].
+fn along<S: Float>([x, y, z]: [S; 3]) -> [[S; 3]; 3] {
+    let sign = if z < S::ZERO { -S::ONE } else { S::ONE };
+    let a = -(S::ONE / (sign + z));
+    let b = x * y * a;
+    [[S::ONE + sign * x * x * a, b, x], [sign * b, sign + y * y * a, y], [-(sign * x), -y, z]]
 }
 
 /// The angle between unit vectors, as accurate near 0 and near pi as between \[Kahan 2006\].

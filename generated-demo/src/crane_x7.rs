@@ -5,9 +5,10 @@
 use ::core::f64::consts::{FRAC_PI_2, PI, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted, NamedPose,
-    Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, Target, TargetKind,
-    Violations, Winding, copy_into, jacobian_from_columns, joint_array,
+    Arm, FULL_POSE, Float, Frame, FreeValues, IkError, Jacobian, Joint, Kinematics, LengthError,
+    Limits, Measure, Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search, Servo,
+    Solution, SolutionSet, Solutions, Step, Target, TargetKind, Violations, Winding, copy_into,
+    jacobian_from_columns, joint_array,
 };
 
 /// Kinematics of the RT Corporation CRANE-X7: 7 revolute joints.
@@ -43,13 +44,13 @@ const D1: f64 = 0.105; // link offset of joint 1, table line 11
 const D3: f64 = 0.25; // link offset of joint 3, table line 26
 const D5: f64 = 0.25; // link offset of joint 5, table line 41
 const TOOL_Z: f64 = 0.019; // z of [tool]
-const K1: f64 = 0.1345; // = d3 (2 tool_z + 2 d5)
-const K2: f64 = 0.000_361; // = tool_z^2
+const K1: f64 = 0.125; // = 2 d3 d5
+const K2: f64 = 0.0625; // = d5^2
 const K3: f64 = 0.0625; // = d3^2
-const K4: f64 = 0.072; // = d5 (d5 + 2 tool_z)
-const K5: f64 = 0.269; // = tool_z + d5
-const K6: f64 = 0.125; // = 2 d3 d5
-const K7: f64 = 0.0625; // = d5^2
+const K4: f64 = 0.1345; // = d3 (2 tool_z + 2 d5)
+const K5: f64 = 0.000_361; // = tool_z^2
+const K6: f64 = 0.072; // = d5 (d5 + 2 tool_z)
+const K7: f64 = 0.269; // = tool_z + d5
 const REACH: f64 = 0.624; // bound on the distance of the tool point
 /// Whole turns of joints that leave every frame where it is (rad).
 const WINDINGS: [Winding<'static>; 7] = [
@@ -136,7 +137,8 @@ impl CraneX7 {
     ];
     /// The inverse problems that are solved.
     #[rustfmt::skip]
-    pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
+    pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[2] },
         ProblemInfo { name: "planar", target: TargetKind::Position, free: &[] },
         ProblemInfo { name: "wrist_down", target: TargetKind::Position, free: &[] },
     ];
@@ -205,6 +207,104 @@ impl CraneX7 {
     #[allow(clippy::result_large_err, reason = "no heap to put it on")]
     pub fn check(&self, q: &[f64; 7]) -> Result<(), Violations<'static>> {
         Self::RULES.check(q, tool_point(q))
+    }
+
+    /// Every geometric solution that brings the tool frame to a pose, limits ignored; joints that
+    /// turn are in (-pi, pi].
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// `free`: the value of J3 (rad).
+    ///
+    /// Solved one after the other:
+    ///
+    /// ```text
+    /// theta4:   2 d3 d5 c4 = -n1
+    ///           pz0 = pz - tool_z r33
+    ///           px0 = px - tool_z r13
+    ///           py0 = py - tool_z r23
+    ///           n1 = d1 (2 pz0 - d1) - (px0^2 + py0^2 + pz0^2 - d5^2 - d3^2)
+    ///           (squared distance of the position from the origin of frame 1)
+    /// theta1:   py0 c1 - px0 s1 = -z1
+    ///           z1 = d5 s4 s3
+    ///           (row 3 of the position in frame 1)
+    /// theta2:   d5 s4 c3 c2 + (d5 c4 + d3) s2 = -x1
+    ///           (d5 c4 + d3) c2 - d5 s4 c3 s2 = z0
+    ///           x1 = px0 c1 + py0 s1
+    ///           z0 = pz0 - d1
+    ///           (rows 1 and 2 of the position in frame 1)
+    /// theta6:   c6 = -zz4_2
+    ///           zz4 = s4 s3 (r13 s1 - r23 c1)
+    ///           zz4_2 = s2 (c4 (r13 c1 + r23 s1) + s4 r33 c3) + c2 (s4 c3 (r13 c1 + r23 s1) -
+    ///           r33 c4) - zz4
+    ///           zx4 = c4 s3 (r13 s1 - r23 c1)
+    ///           zx4_2 = s2 (s4 (r13 c1 + r23 s1) - c4 r33 c3) - (c2 (c4 c3 (r13 c1 + r23 s1) +
+    ///           r33 s4) - zx4)
+    ///           zz3 = c3 (r13 s1 - r23 c1)
+    ///           zz3_2 = s3 (c2 (r13 c1 + r23 s1) + r33 s2) + zz3
+    ///           (row 3 of the z axis in frame 4)
+    /// theta5:   s6 c5 = zx4_2
+    ///           s6 s5 = zz3_2
+    ///           (rows 1 and 2 of the z axis in frame 4)
+    /// theta7:   (c6 (c3 s5 + c4 s3 c5) - s4 s3 s6) c7 + (c3 c5 - c4 s3 s5) s7 = -xz1
+    ///           (c3 c5 - c4 s3 s5) c7 - (c6 (c3 s5 + c4 s3 c5) - s4 s3 s6) s7 = -yz1
+    ///           xz1 = r11 s1 - r21 c1
+    ///           yz1 = r12 s1 - r22 c1
+    ///           (row 3 of the x axis in frame 1; row 3 of the y axis in frame 1)
+    /// ```
+    ///
+    /// Besides solving, on each branch: 124 multiplications, 64 additions, 1 sine-cosine pair.
+    ///
+    /// # Errors
+    ///
+    /// [`IkError`]: the first step of the solution that fails decides.
+    pub fn ik_at(&self, target: &Pose, free: impl FreeValues<1>) -> Result<Solutions<7>, IkError> {
+        solve_pose(&Target::Pose(target.into()), &free.values())
+    }
+
+    /// The joint that `ik_at` leaves to the caller: J3 (rad).
+    pub const REDUNDANCY: Redundancy<'static> = Redundancy::of_pose(2, Self::RULES, REACH);
+
+    /// [`Self::ik_at`] at 16 values of J3 (rad), spread evenly over its limits (over the whole turn
+    /// where these leave it): every geometric solution that brings the tool frame to a pose, limits
+    /// of the other joints ignored.
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// As many as there is room for are put into `out`; how many there are is returned.
+    pub fn ik_sweep(&self, target: &Pose, out: &mut [Solution<7>]) -> usize {
+        let target = &Target::Pose(target.into());
+        let at = |free| solve_pose(target, &[free]);
+        Self::REDUNDANCY.sweep(at, out)
+    }
+
+    /// The intervals of J3 (rad) at which a solution of [`Self::ik_at`] keeps all limits and rules,
+    /// in increasing order; see [`Redundancy`].
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// As many as there is room for are put into `out`; how many there are is returned.
+    pub fn ik_intervals(&self, target: &Pose, out: &mut [Limits]) -> usize {
+        let target = &Target::Pose(target.into());
+        let at = |free| solve_pose(target, &[free]);
+        Self::REDUNDANCY.intervals(at, tool_point, out)
+    }
+
+    /// The solution that brings the tool frame to a pose that is nearest to `seed` (rad) of all
+    /// that limits and rules allow, whatever J3 (rad): the least root of the sum of squared joint
+    /// travels. A seed that is a solution itself is returned.
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik_at`]; where there are solutions, but none is allowed, which limit or rule one
+    /// of them breaks.
+    pub fn ik_nearest(&self, target: &Pose, seed: &[f64; 7]) -> Result<Solution<7>, IkError> {
+        let target = &Target::Pose(target.into());
+        let at = |free| solve_pose(target, &[free]);
+        let arm = Arm::new(at, pose_and_jacobian);
+        Self::REDUNDANCY.nearest(arm, tool_point, target, seed)
     }
 
     /// Every geometric solution of the table's problem `planar`, limits ignored; joints that turn
@@ -742,6 +842,129 @@ fn tool_point(q: &[f64; 7]) -> [f64; 3] {
     forward_kinematics(q).translation
 }
 
+/// Every solution of the full pose.
+#[allow(
+    clippy::similar_names,
+    clippy::too_many_lines,
+    reason = "the names are those of the equations"
+)]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
+fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError> {
+    const THETA4: Step = Step::new(0, 0b1000, false, Measure::Area);
+    const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
+    const THETA2: Step = Step::new(2, 0b10, false, Measure::Length);
+    const THETA6: Step = Step::new(3, 0b10_0000, false, Measure::Ratio);
+    const THETA5: Step = Step::new(4, 0b1_0000, false, Measure::Ratio);
+    const THETA7: Step = Step::new(5, 0b100_0000, false, Measure::Ratio);
+
+    let pose = target.validate_pose()?;
+    let [r11, r12, r13, px, r21, r22, r23, py, _, _, r33, pz] = pose.rows();
+    let [q3] = *free;
+    let mut search = Search::new(REACH, &WINDINGS);
+    let (s3, c3) = Float::sin_cos(q3);
+    let pz0 = pz - TOOL_Z * r33;
+    let px0 = px - TOOL_Z * r13;
+    let py0 = py - TOOL_Z * r23;
+    let n1 = D1 * (2.0 * pz0 - D1) - (px0 * px0 + py0 * py0 + pz0 * pz0 - K2 - K3);
+
+    // theta4: 2 d3 d5 c4 = -n1 (squared distance of the position from the origin of frame 1)
+    let mut roots = search.trig(THETA4, K1, 0.0, -n1);
+    while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
+        let z1 = s4 * (D5 * s3);
+
+        // theta1: py0 c1 - px0 s1 = -z1 (row 3 of the position in frame 1)
+        let mut roots = search.trig(THETA1, py0, -px0, -z1);
+        while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
+            let t1 = s4 * (D5 * c3);
+            let t2 = D5 * c4 + D3;
+            let x1 = px0 * c1 + py0 * s1;
+            let z0 = pz0 - D1;
+
+            // theta2: d5 s4 c3 c2 + (d5 c4 + d3) s2 = -x1; (d5 c4 + d3) c2 - d5 s4 c3 s2 = z0
+            // (rows 1 and 2 of the position in frame 1)
+            let mut roots = search.trig_pair(THETA2, [t1, t2, -x1], [t2, -t1, z0]);
+            while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+                let t3 = r13 * c1 + r23 * s1;
+                let t4 = r33 * c3;
+                let t5 = c3 * t3;
+                let t6 = r13 * s1 - r23 * c1;
+                let t7 = s3 * t6;
+                let zz4 = s4 * t7;
+                let zz4_2 = s2 * (c4 * t3 + s4 * t4) + (c2 * (s4 * t5 - r33 * c4) - zz4);
+                let zx4 = c4 * t7;
+                let zx4_2 = s2 * (s4 * t3 - c4 * t4) - (c2 * (c4 * t5 + r33 * s4) - zx4);
+                let zz3 = c3 * t6;
+                let zz3_2 = s3 * (c2 * t3 + r33 * s2) + zz3;
+
+                // theta6: c6 = -zz4_2 (row 3 of the z axis in frame 4)
+                let mut roots = search.trig_unit(THETA6, [1.0, 0.0, -zz4_2], [-zx4_2, -zz3_2]);
+                while let Some((theta6, s6, c6)) = search.next_angle(&mut roots) {
+                    // theta5: s6 c5 = zx4_2; s6 s5 = zz3_2 (rows 1 and 2 of the z axis in frame 4)
+                    let mut roots = search.trig_pair(THETA5, [s6, 0.0, zx4_2], [0.0, s6, zz3_2]);
+                    while let Some((theta5, s5, c5)) = search.next_angle(&mut roots) {
+                        let t8 = c6 * (c3 * s5 + c4 * (s3 * c5)) - s4 * (s3 * s6);
+                        let t9 = c3 * c5 - c4 * (s3 * s5);
+                        let xz1 = r11 * s1 - r21 * c1;
+                        let yz1 = r12 * s1 - r22 * c1;
+
+                        // theta7: (c6 (c3 s5 + c4 s3 c5) - s4 s3 s6) c7 + (c3 c5 - c4 s3 s5) s7 =
+                        // -xz1; (c3 c5 - c4 s3 s5) c7 - (c6 (c3 s5 + c4 s3 c5) - s4 s3 s6) s7 =
+                        // -yz1
+                        // (row 3 of the x axis in frame 1; row 3 of the y axis in frame 1)
+                        let mut roots = search.trig_pair(THETA7, [t8, t9, -xz1], [t9, -t8, -yz1]);
+                        while let Some((theta7, s7, c7)) = search.next_angle(&mut roots) {
+                            let t10 = c1 * c2;
+                            let t11 = s3 * s1 - c3 * t10;
+                            let t12 = c1 * s2;
+                            let t13 = c4 * t11 + s4 * t12;
+                            let t14 = c3 * s1 + s3 * t10;
+                            let t15 = s5 * t13 - c5 * t14;
+                            let t16 = c5 * t13 + s5 * t14;
+                            let t17 = s4 * t11 - c4 * t12;
+                            let t18 = c6 * t16 - s6 * t17;
+                            let t19 = c6 * t17 + s6 * t16;
+                            let t20 = s1 * c2;
+                            let t21 = s3 * c1 + c3 * t20;
+                            let t22 = s1 * s2;
+                            let t23 = c4 * t21 - s4 * t22;
+                            let t24 = c3 * c1 - s3 * t20;
+                            let t25 = s5 * t23 - c5 * t24;
+                            let t26 = c5 * t23 + s5 * t24;
+                            let t27 = s4 * t21 + c4 * t22;
+                            let t28 = c6 * t26 - s6 * t27;
+                            let t29 = c6 * t27 + s6 * t26;
+                            let t30 = c3 * s2;
+                            let t31 = s4 * c2 + c4 * t30;
+                            let t32 = s3 * s2;
+                            let t33 = s5 * t31 + t32 * c5;
+                            let t34 = c5 * t31 - t32 * s5;
+                            let t35 = c4 * c2 - s4 * t30;
+                            let t36 = c6 * t34 + s6 * t35;
+                            let t37 = c6 * t35 - s6 * t34;
+
+                            let q = [theta1, theta2, q3, theta4, theta5, theta6, theta7];
+                            let tool = Frame {
+                                rotation: [
+                                    [s7 * t15 - c7 * t18, c7 * t15 + s7 * t18, t19],
+                                    [c7 * t28 - s7 * t25, -(c7 * t25 + s7 * t28), -t29],
+                                    [c7 * t36 - s7 * t33, -(c7 * t33 + s7 * t36), t37],
+                                ],
+                                translation: [
+                                    TOOL_Z * t19 - (D3 * t12 - D5 * t17),
+                                    -(D3 * t22 + D5 * t27 + TOOL_Z * t29),
+                                    D3 * c2 + D1 + D5 * t35 + TOOL_Z * t37,
+                                ],
+                            };
+                            search.accept_pose(q, &tool, &pose, pose_and_jacobian);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    search.finish()
+}
+
 /// Every solution of `planar`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_planar(target: &Target) -> Result<Solutions<7>, IkError> {
@@ -752,15 +975,15 @@ fn solve_planar(target: &Target) -> Result<Solutions<7>, IkError> {
     let target = target.validate_as(TargetKind::Position)?;
     let [px, py, pz] = target.numbers().array();
     let mut search = Search::new(REACH, &WINDINGS);
-    let n1 = D1 * (2.0 * pz - D1) - (px * px + py * py + pz * pz - K2 - K3 - K4);
+    let n1 = D1 * (2.0 * pz - D1) - (px * px + py * py + pz * pz - K5 - K3 - K6);
 
     // theta4: d3 (2 tool_z + 2 d5) c4 = -n1
     // (squared distance of the position from the origin of frame 1)
-    let mut roots = search.trig(THETA4, K1, 0.0, -n1);
+    let mut roots = search.trig(THETA4, K4, 0.0, -n1);
     while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
-        let y3 = K5 * c4;
+        let y3 = K7 * c4;
         let z2 = y3 + D3;
-        let nx3 = K5 * s4;
+        let nx3 = K7 * s4;
         let z0 = pz - D1;
 
         // theta2: ((tool_z + d5) c4 + d3) c2 - (tool_z + d5) s4 s2 = z0
@@ -768,7 +991,7 @@ fn solve_planar(target: &Target) -> Result<Solutions<7>, IkError> {
         let mut roots = search.trig(THETA2, z2, -nx3, z0);
         while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
             let s24 = s4 * c2 + c4 * s2;
-            let x1 = K5 * s24 + D3 * s2;
+            let x1 = K7 * s24 + D3 * s2;
 
             // theta1: px c1 + py s1 = -x1; py c1 - px s1 = 0
             // (rows 1 and 3 of the position in frame 1)
@@ -809,7 +1032,7 @@ fn solve_wrist_down(target: &Target) -> Result<Solutions<7>, IkError> {
 
     // theta4: 2 d3 d5 c4 = px^2 + py^2 + z0^2 - d5^2 - d3^2
     // (squares of all rows of the position in frame 0)
-    let mut roots = search.trig(THETA4, K6, 0.0, px * px + py * py + z0 * z0 - K7 - K3);
+    let mut roots = search.trig(THETA4, K1, 0.0, px * px + py * py + z0 * z0 - K2 - K3);
     while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
         // theta2: (d5 c4 + d3) c2 - d5 s4 s2 = z0 (row 3 of the position in frame 0)
         let mut roots = search.trig(THETA2, D5 * c4 + D3, -D5 * s4, z0);
@@ -895,13 +1118,40 @@ impl Kinematics for CraneX7 {
         target: &Target,
         out: &mut SolutionSet,
     ) -> Result<(), IkError> {
+        if let Some(redundancy) = self.redundancy(problem) {
+            return redundancy.sweep_into(self, problem, target, out);
+        }
+        self.ik_at_into(problem, target, &[], out)
+    }
+
+    fn ik_at_into(
+        &self,
+        problem: &str,
+        target: &Target,
+        free: &[f64],
+        out: &mut SolutionSet,
+    ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
-            "planar" => solve_planar(target)?,
-            "wrist_down" => solve_wrist_down(target)?,
+            FULL_POSE => solve_pose(target, joint_array(free)?)?,
+            "planar" => {
+                LengthError::check(0, free.len())?;
+                solve_planar(target)?
+            }
+            "wrist_down" => {
+                LengthError::check(0, free.len())?;
+                solve_wrist_down(target)?
+            }
             _ => return Err(IkError::UnknownProblem),
         };
         out.fill(Self::DOF, &solutions);
         Ok(())
+    }
+
+    fn redundancy(&self, problem: &str) -> Option<Redundancy<'_>> {
+        match problem {
+            FULL_POSE => Some(Self::REDUNDANCY),
+            _ => None,
+        }
     }
 }

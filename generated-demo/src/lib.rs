@@ -1,4 +1,4 @@
-//! What the compiler prints for every shipped table, committed to be read.
+//! What the compiler prints for shipped tables of every class of arm, committed to be read.
 //!
 //! Each module is the output of `dhc generate NAME --lang rust`, byte for byte; a test (`snapshots` in `tests/`) sees to
 //! that, and under test every warning is an error here. The programs in `src/bin` use the macro, which compiles the
@@ -14,9 +14,15 @@ pub mod crane_x7;
 /// The arm of `robots/crane_x7_2r.toml`.
 #[rustfmt::skip]
 pub mod crane_x7_2r;
+/// The arm of `robots/crx10ia_l.toml`.
+#[rustfmt::skip]
+pub mod crx10ia_l;
 /// The arm of `robots/elbow3r.toml`.
 #[rustfmt::skip]
 pub mod elbow3r;
+/// The arm of `robots/manocha_canny.toml`.
+#[rustfmt::skip]
+pub mod manocha_canny;
 /// The arm of `robots/mycobot.toml`.
 #[rustfmt::skip]
 pub mod mycobot;
@@ -35,6 +41,9 @@ pub mod rtm2r;
 /// The arm of `robots/scara.toml`.
 #[rustfmt::skip]
 pub mod scara;
+/// The arm of `robots/stanford.toml`.
+#[rustfmt::skip]
+pub mod stanford;
 /// The arm of `robots/uarm_swift_pro.toml`.
 #[rustfmt::skip]
 pub mod uarm_swift_pro;

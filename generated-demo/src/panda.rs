@@ -5,9 +5,10 @@
 use ::core::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted, NamedPose,
-    Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, Target, TargetKind,
-    Violations, Winding, copy_into, jacobian_from_columns, joint_array,
+    Arm, FULL_POSE, Float, Frame, FreeValues, IkError, Jacobian, Joint, Kinematics, LengthError,
+    Limits, Measure, Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search, Servo,
+    Solution, SolutionSet, Solutions, Step, Target, TargetKind, Violations, Winding, copy_into,
+    jacobian_from_columns, joint_array,
 };
 
 /// Kinematics of the Franka Emika Panda: 7 revolute joints.
@@ -47,10 +48,11 @@ const A7: f64 = 0.088; // link length of joint 7, table line 67
 const D7: f64 = 0.107; // link offset of joint 7, table line 67
 const K1: f64 = 0.229_075_500_000_000_02; // = 2 d3 d5 + 2 a4 a5
 const K2: f64 = -0.1155; // = 2 d3 a5 - 2 a4 d5
-const K3: f64 = 0.147_456; // = d5^2
-const K4: f64 = 0.006_806_250_000_000_001; // = a5^2
-const K5: f64 = 0.006_806_250_000_000_001; // = a4^2
-const K6: f64 = 0.099_856; // = d3^2
+const K3: f64 = 0.260_924_5; // = d5^2 + a5^2 + a4^2 + d3^2
+const K4: f64 = 0.147_456; // = d5^2
+const K5: f64 = 0.006_806_250_000_000_001; // = a5^2
+const K6: f64 = 0.006_806_250_000_000_001; // = a4^2
+const K7: f64 = 0.099_856; // = d3^2
 const REACH: f64 = 1.321_091_870_688_784_9; // bound on the distance of the tool point
 /// Whole turns of joints that leave every frame where it is (rad).
 const WINDINGS: [Winding<'static>; 7] = [
@@ -140,7 +142,8 @@ impl Panda {
     pub const SERVOS: [(&'static str, Servo<'static>); 0] = [];
     /// The inverse problems that are solved.
     #[rustfmt::skip]
-    pub const PROBLEMS: [ProblemInfo<'static>; 1] = [
+    pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[6] },
         ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[] },
     ];
 
@@ -208,6 +211,104 @@ impl Panda {
     #[allow(clippy::result_large_err, reason = "no heap to put it on")]
     pub fn check(&self, q: &[f64; 7]) -> Result<(), Violations<'static>> {
         Self::RULES.check(q, tool_point(q))
+    }
+
+    /// Every geometric solution that brings the tool frame to a pose, limits ignored; joints that
+    /// turn are in (-pi, pi].
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// `free`: the value of J7 (rad).
+    ///
+    /// Solved one after the other:
+    ///
+    /// ```text
+    /// theta4:   (2 d3 d5 + 2 a4 a5) c4 + (2 d3 a5 - 2 a4 d5) s4 = -n5
+    ///           bx = r31 (pz - d7 r33 - d1) + r11 (px - d7 r13) + r21 (py - d7 r23)
+    ///           by = r32 (pz - d7 r33 - d1) + r12 (px - d7 r13) + r22 (py - d7 r23)
+    ///           bz = r33 (pz - d7 r33 - d1) + r13 (px - d7 r13) + r23 (py - d7 r23)
+    ///           n5 = a7 (2 bx c7 - a7 - 2 s7 by) - (bx^2 - (d5^2 + a5^2 + a4^2 + d3^2) + by^2 +
+    ///           bz^2)
+    ///           (squared distance of the start of the second axis from the origin of frame 5)
+    /// theta6:   bz c6 - (bx c7 - a7 - by s7) s6 = z4
+    ///           z4 = a4 s4 - d5 - d3 c4
+    ///           (row 3 of the start of the second axis in frame 4)
+    /// theta5:   (a4 c4 + a5 + d3 s4) c5 = x5
+    ///           (a4 c4 + a5 + d3 s4) s5 = z5
+    ///           x5 = c6 (bx c7 - by s7 - a7) + bz s6
+    ///           z5 = by c7 + bx s7
+    ///           (rows 1 and 3 of the start of the second axis in frame 5)
+    /// theta2:   c2 = -zz2_2
+    ///           zz2 = c4 (s6 (r32 s7 - r31 c7) + r33 c6)
+    ///           zz2_2 = s4 (c5 (c6 (r32 s7 - r31 c7) - r33 s6) - s5 (r31 s7 + r32 c7)) + zz2
+    ///           zx3 = s4 (s6 (r32 s7 - r31 c7) + r33 c6)
+    ///           zx3_2 = c4 (c5 (c6 (r32 s7 - r31 c7) - r33 s6) - s5 (r31 s7 + r32 c7)) - zx3
+    ///           zz3 = s5 (c6 (r32 s7 - r31 c7) - r33 s6) + c5 (r31 s7 + r32 c7)
+    ///           (row 2 of the base's z axis in frame 3)
+    /// theta3:   s2 c3 = zx3_2
+    ///           s2 s3 = -zz3
+    ///           (rows 1 and 3 of the base's z axis in frame 3)
+    /// theta1:   s2 c1 = -xz2_2
+    ///           s2 s1 = -yz2_2
+    ///           xz2 = c4 (s6 (r12 s7 - r11 c7) + r13 c6)
+    ///           xz2_2 = s4 (c5 (c6 (r12 s7 - r11 c7) - r13 s6) - s5 (r11 s7 + r12 c7)) + xz2
+    ///           yz2 = c4 (s6 (r22 s7 - r21 c7) + r23 c6)
+    ///           yz2_2 = s4 (c5 (c6 (r22 s7 - r21 c7) - r23 s6) - s5 (r21 s7 + r22 c7)) + yz2
+    ///           (row 3 of the base's x axis in frame 2; row 3 of the base's y axis in frame 2)
+    /// ```
+    ///
+    /// Besides solving, on each branch: 154 multiplications, 89 additions, 1 sine-cosine pair.
+    ///
+    /// # Errors
+    ///
+    /// [`IkError`]: the first step of the solution that fails decides.
+    pub fn ik_at(&self, target: &Pose, free: impl FreeValues<1>) -> Result<Solutions<7>, IkError> {
+        solve_pose(&Target::Pose(target.into()), &free.values())
+    }
+
+    /// The joint that `ik_at` leaves to the caller: J7 (rad).
+    pub const REDUNDANCY: Redundancy<'static> = Redundancy::of_pose(6, Self::RULES, REACH);
+
+    /// [`Self::ik_at`] at 16 values of J7 (rad), spread evenly over its limits (over the whole turn
+    /// where these leave it): every geometric solution that brings the tool frame to a pose, limits
+    /// of the other joints ignored.
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// As many as there is room for are put into `out`; how many there are is returned.
+    pub fn ik_sweep(&self, target: &Pose, out: &mut [Solution<7>]) -> usize {
+        let target = &Target::Pose(target.into());
+        let at = |free| solve_pose(target, &[free]);
+        Self::REDUNDANCY.sweep(at, out)
+    }
+
+    /// The intervals of J7 (rad) at which a solution of [`Self::ik_at`] keeps all limits and rules,
+    /// in increasing order; see [`Redundancy`].
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// As many as there is room for are put into `out`; how many there are is returned.
+    pub fn ik_intervals(&self, target: &Pose, out: &mut [Limits]) -> usize {
+        let target = &Target::Pose(target.into());
+        let at = |free| solve_pose(target, &[free]);
+        Self::REDUNDANCY.intervals(at, tool_point, out)
+    }
+
+    /// The solution that brings the tool frame to a pose that is nearest to `seed` (rad) of all
+    /// that limits and rules allow, whatever J7 (rad): the least root of the sum of squared joint
+    /// travels. A seed that is a solution itself is returned.
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik_at`]; where there are solutions, but none is allowed, which limit or rule one
+    /// of them breaks.
+    pub fn ik_nearest(&self, target: &Pose, seed: &[f64; 7]) -> Result<Solution<7>, IkError> {
+        let target = &Target::Pose(target.into());
+        let at = |free| solve_pose(target, &[free]);
+        let arm = Arm::new(at, pose_and_jacobian);
+        Self::REDUNDANCY.nearest(arm, tool_point, target, seed)
     }
 
     /// Every geometric solution of the table's problem `tool_down`, limits ignored; joints that
@@ -642,6 +743,157 @@ fn tool_point(q: &[f64; 7]) -> [f64; 3] {
     forward_kinematics(q).translation
 }
 
+/// Every solution of the full pose.
+#[allow(
+    clippy::similar_names,
+    clippy::too_many_lines,
+    reason = "the names are those of the equations"
+)]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
+fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError> {
+    const THETA4: Step = Step::new(0, 0b1000, false, Measure::Area);
+    const THETA6: Step = Step::new(1, 0b10_0000, false, Measure::Length);
+    const THETA5: Step = Step::new(2, 0b1_0000, false, Measure::Length);
+    const THETA2: Step = Step::new(3, 0b10, false, Measure::Ratio);
+    const THETA3: Step = Step::new(4, 0b100, false, Measure::Ratio);
+    const THETA1: Step = Step::new(5, 0b1, false, Measure::Ratio);
+
+    let pose = target.validate_pose()?;
+    let [r11, r12, r13, px, r21, r22, r23, py, r31, r32, r33, pz] = pose.rows();
+    let [q7] = *free;
+    let mut search = Search::new(REACH, &WINDINGS);
+    let (s7, c7) = Float::sin_cos(q7);
+    let t1 = pz - D7 * r33 - D1;
+    let t2 = px - D7 * r13;
+    let t3 = py - D7 * r23;
+    let bx = r31 * t1 + (r11 * t2 + r21 * t3);
+    let by = r32 * t1 + (r12 * t2 + r22 * t3);
+    let bz = r33 * t1 + (r13 * t2 + r23 * t3);
+    let n5 = A7 * (2.0 * bx * c7 - A7 - s7 * (2.0 * by)) - (bx * bx - K3 + by * by + bz * bz);
+
+    // theta4: (2 d3 d5 + 2 a4 a5) c4 + (2 d3 a5 - 2 a4 d5) s4 = -n5
+    // (squared distance of the start of the second axis from the origin of frame 5)
+    let mut roots = search.trig(THETA4, K1, K2, -n5);
+    while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
+        let t4 = bx * c7;
+        let t5 = by * s7;
+        let z4 = A4 * s4 - D5 - D3 * c4;
+
+        // theta6: bz c6 - (bx c7 - a7 - by s7) s6 = z4
+        // (row 3 of the start of the second axis in frame 4)
+        let mut roots = search.trig(THETA6, bz, t5 - (t4 - A7), z4);
+        while let Some((theta6, s6, c6)) = search.next_angle(&mut roots) {
+            let t6 = A4 * c4 + A5 + D3 * s4;
+            let x5 = c6 * (t4 - t5 - A7) + bz * s6;
+            let z5 = by * c7 + bx * s7;
+
+            // theta5: (a4 c4 + a5 + d3 s4) c5 = x5; (a4 c4 + a5 + d3 s4) s5 = z5
+            // (rows 1 and 3 of the start of the second axis in frame 5)
+            let mut roots = search.trig_pair(THETA5, [t6, 0.0, x5], [0.0, t6, z5]);
+            while let Some((theta5, s5, c5)) = search.next_angle(&mut roots) {
+                let t7 = r32 * s7 - r31 * c7;
+                let t8 = c6 * t7 - r33 * s6;
+                let t9 = r31 * s7 + r32 * c7;
+                let t10 = c5 * t8 - s5 * t9;
+                let t11 = s6 * t7 + r33 * c6;
+                let zz2 = c4 * t11;
+                let zz2_2 = s4 * t10 + zz2;
+                let zx3 = s4 * t11;
+                let zx3_2 = c4 * t10 - zx3;
+                let zz3 = s5 * t8 + c5 * t9;
+
+                // theta2: c2 = -zz2_2 (row 2 of the base's z axis in frame 3)
+                let mut roots = search.trig_unit(THETA2, [1.0, 0.0, -zz2_2], [zx3_2, -zz3]);
+                while let Some((theta2, s2, c2)) = search.next_angle(&mut roots) {
+                    // theta3: s2 c3 = zx3_2; s2 s3 = -zz3
+                    // (rows 1 and 3 of the base's z axis in frame 3)
+                    let mut roots = search.trig_pair(THETA3, [s2, 0.0, zx3_2], [0.0, s2, -zz3]);
+                    while let Some((theta3, s3, c3)) = search.next_angle(&mut roots) {
+                        let t12 = r12 * s7 - r11 * c7;
+                        let xz2 = c4 * (s6 * t12 + r13 * c6);
+                        let xz2_2 =
+                            s4 * (c5 * (c6 * t12 - r13 * s6) - s5 * (r11 * s7 + r12 * c7)) + xz2;
+                        let t13 = r22 * s7 - r21 * c7;
+                        let yz2 = c4 * (s6 * t13 + r23 * c6);
+                        let yz2_2 =
+                            s4 * (c5 * (c6 * t13 - r23 * s6) - s5 * (r21 * s7 + r22 * c7)) + yz2;
+
+                        // theta1: s2 c1 = -xz2_2; s2 s1 = -yz2_2
+                        // (row 3 of the base's x axis in frame 2; row 3 of the base's y axis in
+                        // frame 2)
+                        let mut roots =
+                            search.trig_pair(THETA1, [s2, 0.0, -xz2_2], [0.0, s2, -yz2_2]);
+                        while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
+                            let r11_5 = c7 * c6;
+                            let r11_4 = s7 * s5 + r11_5 * c5;
+                            let r21_5 = c7 * s6;
+                            let r11_3 = c4 * r11_4 - s4 * r21_5;
+                            let nr21_4 = s7 * c5 - r11_5 * s5;
+                            let r11_2 = c3 * r11_3 + s3 * nr21_4;
+                            let r21_3 = s4 * r11_4 + c4 * r21_5;
+                            let r11_1 = c2 * r11_2 + s2 * r21_3;
+                            let r21_2 = s3 * r11_3 - c3 * nr21_4;
+                            let nr12_5 = s7 * c6;
+                            let r12_4 = c7 * s5 - nr12_5 * c5;
+                            let nr22_5 = s7 * s6;
+                            let r12_3 = c4 * r12_4 + s4 * nr22_5;
+                            let nr22_4 = c7 * c5 + nr12_5 * s5;
+                            let r12_2 = c3 * r12_3 + s3 * nr22_4;
+                            let r22_3 = s4 * r12_4 - c4 * nr22_5;
+                            let r12_1 = c2 * r12_2 + s2 * r22_3;
+                            let r22_2 = s3 * r12_3 - c3 * nr22_4;
+                            let r13_4 = s6 * c5;
+                            let r13_3 = s4 * c6 + c4 * r13_4;
+                            let r23_4 = s6 * s5;
+                            let r13_2 = c3 * r13_3 - r23_4 * s3;
+                            let nr23_3 = c4 * c6 - s4 * r13_4;
+                            let r13_1 = c2 * r13_2 - s2 * nr23_3;
+                            let r23_2 = s3 * r13_3 + r23_4 * c3;
+                            let x5_v2 = A7 * c6 + D7 * s6;
+                            let x4 = c5 * x5_v2;
+                            let t14 = x4 + A5;
+                            let y5 = A7 * s6 - D7 * c6;
+                            let z4_v2 = y5 + D5;
+                            let x3 = c4 * t14 - s4 * z4_v2;
+                            let t15 = x3 + A4;
+                            let y4 = s5 * x5_v2;
+                            let x2 = c3 * t15 - s3 * y4;
+                            let y3 = s4 * t14 + c4 * z4_v2;
+                            let z2 = y3 + D3;
+                            let x1 = c2 * x2 + s2 * z2;
+                            let y2 = s3 * t15 + c3 * y4;
+                            let r21_1 = s2 * r11_2 - c2 * r21_3;
+                            let r22_1 = s2 * r12_2 - c2 * r22_3;
+                            let r23_1 = s2 * r13_2 + c2 * nr23_3;
+                            let y1 = s2 * x2 - c2 * z2;
+
+                            let q = [theta1, theta2, theta3, theta4, theta5, theta6, q7];
+                            let tool = Frame {
+                                rotation: [
+                                    [
+                                        c1 * r11_1 - s1 * r21_2,
+                                        c1 * r12_1 - s1 * r22_2,
+                                        c1 * r13_1 - s1 * r23_2,
+                                    ],
+                                    [
+                                        s1 * r11_1 + c1 * r21_2,
+                                        s1 * r12_1 + c1 * r22_2,
+                                        s1 * r13_1 + c1 * r23_2,
+                                    ],
+                                    [-r21_1, -r22_1, -r23_1],
+                                ],
+                                translation: [c1 * x1 - s1 * y2, s1 * x1 + c1 * y2, D1 - y1],
+                            };
+                            search.accept_pose(q, &tool, &pose, pose_and_jacobian);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    search.finish()
+}
+
 /// Every solution of `tool_down`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_tool_down(target: &Target) -> Result<Solutions<7>, IkError> {
@@ -666,7 +918,7 @@ fn solve_tool_down(target: &Target) -> Result<Solutions<7>, IkError> {
             // theta4: (2 d3 d5 + 2 a4 a5) c4 + (2 d3 a5 - 2 a4 d5) s4 = z0^2 + x1^2 - d5^2 - a5^2 -
             // a4^2 - d3^2
             // (squares of rows 1 and 2 of the position in frame 1)
-            let mut roots = search.trig(THETA4, K1, K2, z0 * z0 + x1 * x1 - K3 - K4 - K5 - K6);
+            let mut roots = search.trig(THETA4, K1, K2, z0 * z0 + x1 * x1 - K4 - K5 - K6 - K7);
             while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
                 let t1 = D5 * s4 - A4 - A5 * c4;
                 let t2 = D5 * c4 + D3 + A5 * s4;
@@ -757,12 +1009,36 @@ impl Kinematics for Panda {
         target: &Target,
         out: &mut SolutionSet,
     ) -> Result<(), IkError> {
+        if let Some(redundancy) = self.redundancy(problem) {
+            return redundancy.sweep_into(self, problem, target, out);
+        }
+        self.ik_at_into(problem, target, &[], out)
+    }
+
+    fn ik_at_into(
+        &self,
+        problem: &str,
+        target: &Target,
+        free: &[f64],
+        out: &mut SolutionSet,
+    ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
-            "tool_down" => solve_tool_down(target)?,
+            FULL_POSE => solve_pose(target, joint_array(free)?)?,
+            "tool_down" => {
+                LengthError::check(0, free.len())?;
+                solve_tool_down(target)?
+            }
             _ => return Err(IkError::UnknownProblem),
         };
         out.fill(Self::DOF, &solutions);
         Ok(())
+    }
+
+    fn redundancy(&self, problem: &str) -> Option<Redundancy<'_>> {
+        match problem {
+            FULL_POSE => Some(Self::REDUNDANCY),
+            _ => None,
+        }
     }
 }

@@ -194,15 +194,14 @@ impl UR5 {
     ///           zz1 = r13 s1 - r23 c1
     ///           zx1 = r13 c1 + r23 s1
     ///           (row 3 of the z axis in frame 1)
+    /// theta6:   s5 c6 = xz1
+    ///           s5 s6 = -yz1
+    ///           xz1 = r11 s1 - r21 c1
+    ///           yz1 = r12 s1 - r22 c1
+    ///           (row 3 of the x axis in frame 1; row 3 of the y axis in frame 1)
     /// theta234: s5 c234 = -zx1
     ///           s5 s234 = -r33
     ///           (rows 1 and 2 of the z axis in frame 1)
-    /// theta6:   c6 = xx5_2
-    ///           s6 = -xz4
-    ///           xx5 = s5 (r11 s1 - r21 c1)
-    ///           xx5_2 = c5 (c234 (r11 c1 + r21 s1) + r31 s234) + xx5
-    ///           xz4 = s234 (r11 c1 + r21 s1) - r31 c234
-    ///           (rows 1 and 2 of the x axis in frame 5)
     /// theta3:   2 a2 a3 c3 = z0_2^2 + x1_2^2 - a3^2 - a2^2
     ///           pz0 = pz - d6 r33
     ///           z0 = pz0 - d1
@@ -217,7 +216,7 @@ impl UR5 {
     ///           (rows 1 and 3 of the position in frame 4)
     /// ```
     ///
-    /// Besides solving, on each branch: 79 multiplications, 47 additions, 0 sine-cosine pairs.
+    /// Besides solving, on each branch: 73 multiplications, 44 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
     ///
@@ -576,13 +575,13 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA5: Step = Step::new(1, 0b1_0000, false, Measure::Ratio);
-    const THETA234: Step = Step::new(2, 0b1110, false, Measure::Ratio);
-    const THETA6: Step = Step::new(3, 0b10_0000, false, Measure::Ratio);
+    const THETA6: Step = Step::new(2, 0b10_0000, false, Measure::Ratio);
+    const THETA234: Step = Step::new(3, 0b1110, false, Measure::Ratio);
     const THETA3: Step = Step::new(4, 0b100, false, Measure::Area);
     const THETA4: Step = Step::new(5, 0b1000, false, Measure::Length);
 
     let pose = target.validate_pose()?;
-    let [r11, _, r13, px, r21, _, r23, py, r31, _, r33, pz] = pose.rows();
+    let [r11, r12, r13, px, r21, r22, r23, py, _, _, r33, pz] = pose.rows();
     let mut search = Search::new(REACH, &WINDINGS);
     let py0 = py - D6 * r23;
     let px0 = px - D6 * r13;
@@ -596,67 +595,62 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
         // theta5: c5 = zz1 (row 3 of the z axis in frame 1)
         let mut roots = search.trig_unit(THETA5, [1.0, 0.0, zz1], [zx1, r33]);
         while let Some((theta5, s5, c5)) = search.next_angle(&mut roots) {
-            // theta234: s5 c234 = -zx1; s5 s234 = -r33 (rows 1 and 2 of the z axis in frame 1)
-            let mut roots = search.trig_pair(THETA234, [s5, 0.0, -zx1], [0.0, s5, -r33]);
-            while let Some((theta234, s234, c234)) = search.next_angle(&mut roots) {
-                let t1 = r11 * c1 + r21 * s1;
-                let xx5 = s5 * (r11 * s1 - r21 * c1);
-                let xx5_2 = c5 * (c234 * t1 + r31 * s234) + xx5;
-                let xz4 = s234 * t1 - r31 * c234;
+            let xz1 = r11 * s1 - r21 * c1;
+            let yz1 = r12 * s1 - r22 * c1;
 
-                // theta6: c6 = xx5_2; s6 = -xz4 (rows 1 and 2 of the x axis in frame 5)
-                let mut roots = search.trig_pair(THETA6, [1.0, 0.0, xx5_2], [0.0, 1.0, -xz4]);
-                while let Some((theta6, s6, c6)) = search.next_angle(&mut roots) {
+            // theta6: s5 c6 = xz1; s5 s6 = -yz1
+            // (row 3 of the x axis in frame 1; row 3 of the y axis in frame 1)
+            let mut roots = search.trig_pair(THETA6, [s5, 0.0, xz1], [0.0, s5, -yz1]);
+            while let Some((theta6, s6, c6)) = search.next_angle(&mut roots) {
+                // theta234: s5 c234 = -zx1; s5 s234 = -r33 (rows 1 and 2 of the z axis in frame 1)
+                let mut roots = search.trig_pair(THETA234, [s5, 0.0, -zx1], [0.0, s5, -r33]);
+                while let Some((theta234, s234, c234)) = search.next_angle(&mut roots) {
                     let pz0 = pz - D6 * r33;
                     let z0 = pz0 - D1;
-                    let t2 = D5 * c234;
-                    let z0_2 = z0 + t2;
+                    let t1 = D5 * c234;
+                    let z0_2 = z0 + t1;
                     let x1 = px0 * c1 + py0 * s1;
-                    let t3 = D5 * s234;
-                    let x1_2 = x1 - t3;
+                    let t2 = D5 * s234;
+                    let x1_2 = x1 - t2;
 
                     // theta3: 2 a2 a3 c3 = z0_2^2 + x1_2^2 - a3^2 - a2^2
                     // (squares of rows 1 and 2 of the position in frame 1)
-                    let mut roots = search.trig(
-                        THETA3,
-                        K1,
-                        0.0,
-                        z0_2 * z0_2 + x1_2 * x1_2 - K2 - K3,
-                    );
+                    let mut roots =
+                        search.trig(THETA3, K1, 0.0, z0_2 * z0_2 + x1_2 * x1_2 - K2 - K3);
                     while let Some((theta3, s3, c3)) = search.next_angle(&mut roots) {
-                        let t4 = A2 * c3 + A3;
-                        let t5 = A2 * s3;
+                        let t3 = A2 * c3 + A3;
+                        let t4 = A2 * s3;
                         let x4 = s234 * z0 + c234 * x1;
                         let z4 = s234 * x1 - (c234 * z0 + D5);
 
                         // theta4: (a2 c3 + a3) c4 - a2 s3 s4 = x4; a2 s3 c4 + (a2 c3 + a3) s4 = z4
                         // (rows 1 and 3 of the position in frame 4)
-                        let mut roots = search.trig_pair(THETA4, [t4, -t5, x4], [t5, t4, z4]);
+                        let mut roots = search.trig_pair(THETA4, [t3, -t4, x4], [t4, t3, z4]);
                         while let Some((theta4, s4, c4)) = search.next_angle(&mut roots) {
                             let r11_4 = c5 * c6;
-                            let r11_1 = c234 * r11_4 - s234 * s6;
+                            let r11_1 = c234 * r11_4 - s6 * s234;
                             let r21_4 = s5 * c6;
                             let nr12_4 = c5 * s6;
-                            let nr12_1 = c234 * nr12_4 + s234 * c6;
+                            let nr12_1 = c234 * nr12_4 + c6 * s234;
                             let nr22_4 = s5 * s6;
                             let nr13_1 = s5 * c234;
                             let nx4 = D6 * s5;
-                            let x1_3 = t3 - c234 * nx4;
+                            let x1_3 = t2 - c234 * nx4;
                             let c23 = c234 * c4 + s234 * s4;
                             let x1_2_v2 = x1_3 + A3 * c23;
-                            let t6 = c234 * c3 + s234 * s3;
-                            let t7 = s234 * c3 - c234 * s3;
-                            let c2 = c4 * t6 + s4 * t7;
+                            let t5 = c234 * c3 + s234 * s3;
+                            let t6 = s234 * c3 - c234 * s3;
+                            let c2 = c4 * t5 + s4 * t6;
                             let x1_v2 = x1_2_v2 + A2 * c2;
                             let y4 = D6 * c5;
                             let z1 = y4 + D4;
-                            let r21_1 = s234 * r11_4 + c234 * s6;
-                            let nr22_1 = s234 * nr12_4 - c234 * c6;
+                            let r21_1 = s234 * r11_4 + s6 * c234;
+                            let nr22_1 = s234 * nr12_4 - c6 * c234;
                             let nr23_1 = s5 * s234;
-                            let ny1_3 = t2 + s234 * nx4;
+                            let ny1_3 = t1 + s234 * nx4;
                             let s23 = s234 * c4 - c234 * s4;
                             let ny1_2 = ny1_3 - A3 * s23;
-                            let s2 = c4 * t7 - s4 * t6;
+                            let s2 = c4 * t6 - s4 * t5;
                             let ny1 = ny1_2 - A2 * s2;
 
                             let q = [
@@ -677,7 +671,7 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
                                     [
                                         s1 * r11_1 - c1 * r21_4,
                                         c1 * nr22_4 - s1 * nr12_1,
-                                        -(c1 * c5 + s1 * nr13_1),
+                                        -(s1 * nr13_1 + c1 * c5),
                                     ],
                                     [r21_1, -nr22_1, -nr23_1],
                                 ],

@@ -728,11 +728,8 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
                         let xz4 = s4 * t9 - c4 * t10;
 
                         // theta6: c6 = xx5_2; s6 = -xz4 (rows 1 and 2 of the x axis in frame 5)
-                        let mut roots = search.trig_pair(
-                            THETA6,
-                            [1.0, 0.0, xx5_2],
-                            [0.0, 1.0, -xz4],
-                        );
+                        let mut roots =
+                            search.trig_pair(THETA6, [1.0, 0.0, xx5_2], [0.0, 1.0, -xz4]);
                         while let Some((theta6, s6, c6)) = search.next_angle(&mut roots) {
                             let c23 = c3 * c2 - s3 * s2;
                             let t11 = c1 * c23;

@@ -19,6 +19,7 @@ const PROBLEMS: &[(&str, &str, Constrain)] = &[
     }),
     ("crane_x7_2r", "xy", |x| vec![PI * x[0], PI * x[1]]),
     ("crane_x7_2r", "xy_elbow_up", |x| vec![PI * x[0], -PI * x[1].abs()]),
+    ("cylindrical", "reach", |x| vec![PI * x[0], x[1], x[2], 0.0, 0.0, 0.0]),
     ("elbow3r", "position", |x| vec![PI * x[0], PI * x[1], PI * x[2]]),
     ("elbow3r", "position_elbow_up", |x| vec![PI * x[0], PI * x[1], -PI * x[2].abs()]),
     // theta = q + (0, 90, 0, 90, -90, 0) degrees.
@@ -38,6 +39,7 @@ const PROBLEMS: &[(&str, &str, Constrain)] = &[
     ("puma560", "tool_down", |x| {
         vec![PI * x[0], PI * x[1], PI * x[2], 0.0, -PI - PI * (x[1] + x[2]), PI * x[3]]
     }),
+    ("rh6frh5520", "place", |x| vec![PI * x[0], PI * x[1], 0.2 * x[2], PI * x[3]]),
     ("rtm2r", "xy", |x| vec![PI * x[0], PI * x[1]]),
     ("rtm2r", "xy_elbow_right", |x| vec![PI * x[0], PI * x[1].abs()]),
     ("rtm2r", "xy_elbow_left", |x| vec![PI * x[0], -PI * x[1].abs()]),

@@ -104,6 +104,46 @@ fn stages_of_the_compiler_name_only_the_stage_before() {
     }
 }
 
+/// What each module of the drivers may name.
+const DRIVER_ARROWS: &[(&str, &[&str])] = &[
+    ("clock", &[]),
+    ("port", &["clock"]),
+    ("driver", &["clock", "port", "motion"]),
+    ("simulate", &["clock", "port"]),
+    ("motion", &["clock", "driver"]),
+    ("dynamixel", &["clock", "port", "driver", "simulate", "motion"]),
+    ("mycobot", &["clock", "port", "driver", "simulate", "motion"]),
+    ("unit", &["driver"]),
+    ("connect", &["clock", "port", "driver", "simulate", "dynamixel", "mycobot"]),
+    ("wheels", &[]),
+];
+
+#[test]
+fn modules_of_the_drivers_name_only_those_below() {
+    for (path, code) in crate_sources("drivers") {
+        if path.contains("/tests/") {
+            continue;
+        }
+        let module = path.split(['/', '.']).next().unwrap();
+        let Some((_, allowed)) = DRIVER_ARROWS.iter().find(|(name, _)| *name == module) else {
+            assert_eq!(path, "lib.rs", "a module without an arrow");
+            continue;
+        };
+        for named in named_modules(&code) {
+            assert!(named == module || allowed.contains(&named.as_str()), "{path} names {named}");
+        }
+        // Of motion, devices know what moves an arm and nothing else.
+        if module != "motion" {
+            let others =
+                code.matches("crate::motion").count() - code.matches("crate::motion::Command").count();
+            assert_eq!(others, 0, "{path} names more of motion than its commands");
+        }
+        for word in ["dh_codegen", "dh_build", "dh_robots", "println!", "process::exit"] {
+            assert!(!code.contains(word), "{path}: {word}");
+        }
+    }
+}
+
 #[test]
 fn the_compiler_does_no_input_or_output() {
     for (path, code) in crate_sources("codegen") {

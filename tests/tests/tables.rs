@@ -53,6 +53,8 @@ fn the_reference_lists_every_table() {
     for name in &listed {
         let text = dh_robots::table(name).unwrap();
         let line = readme.lines().find(|line| line.starts_with(&format!("| `{name}`"))).unwrap();
+        let class = compile(text, Level::Quick).output.unwrap().model.geometry().class();
+        assert!(line.contains(&format!("| {class}")), "{name} is of class {class}");
         let problems = text.split("[[ik]]").skip(1);
         for problem in problems.filter_map(|entry| entry.split('"').nth(1)) {
             assert!(line.contains(&format!("`{problem}`")), "{name}: {problem} is not listed");

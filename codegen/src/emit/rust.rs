@@ -16,6 +16,7 @@ mod liveness;
 mod names;
 mod number;
 mod paths;
+mod redundant;
 mod stub;
 mod tables;
 mod targets;

@@ -10,8 +10,11 @@ use crate::table::{self, Text};
 use core::f64::consts::TAU;
 
 /// Names of functions that an arm has besides its problems', after `ik_`.
-const RESERVED: [&str; 10] =
-    ["all", "batch", "track", "free", "at", "near", "sweep", "nearest", "into", "within"];
+const RESERVED: [&str; 11] =
+    ["all", "batch", "track", "free", "at", "near", "sweep", "nearest", "intervals", "into", "within"];
+
+/// Names that begin with these and an underscore would be variants of another problem's functions.
+const VARIANTS: [&str; 5] = ["all_", "at_", "sweep_", "nearest_", "intervals_"];
 
 /// Constants that differ by less than this are equal (rad or m).
 const EQUAL: f64 = 1e-9;
@@ -241,7 +244,7 @@ fn name_makes_a_function(name: &Text, target: Option<Target>, diagnostics: &mut 
         );
         return;
     }
-    let variant = value.starts_with("all_") || value.starts_with("at_") || value.ends_with("_near");
+    let variant = VARIANTS.iter().any(|start| value.starts_with(start)) || value.ends_with("_near");
     let taken = RESERVED.contains(&value) || variant;
     if taken || (value == "pose" && target.is_some_and(|target| target != Target::Pose)) {
         let what = match value {

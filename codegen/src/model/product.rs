@@ -29,6 +29,41 @@ pub fn frames(model: &Model, q: &[f64]) -> Frames {
     }
 }
 
+/// Columns of the geometric Jacobian at the tool point, each with the distance of its axis' origin (m), to which
+/// rounding is relative: z x (p - o) and z for a row that turns, z and 0 for one that slides.
+pub fn jacobian(model: &Model, frames: &Frames) -> Vec<([f64; 6], f64)> {
+    let mut columns = vec![([0.0; 6], 0.0); model.joints.len()];
+    let [tx, ty, tz] = frames.tool.map(|[_, _, _, p]| p);
+    for (index, row) in model.rows.iter().enumerate() {
+        // Standard rows turn about the z axis of the frame before theirs, modified ones about their own.
+        let frame = match model.convention {
+            Convention::Standard => index,
+            Convention::Modified => index + 1,
+        };
+        let Some(frame) = frames.rows.get(frame) else {
+            continue;
+        };
+        let [ox, oy, oz] = frame.map(|[_, _, _, p]| p);
+        let [zx, zy, zz] = frame.map(|[_, _, z, _]| z);
+        let (lx, ly, lz) = (tx - ox, ty - oy, tz - oz);
+        let (rates, arm) = match row.kind {
+            JointKind::Revolute => {
+                let velocity = [zy * lz - zz * ly, zz * lx - zx * lz, zx * ly - zy * lx];
+                ([velocity, [zx, zy, zz]], (lx * lx + ly * ly + lz * lz).sqrt())
+            }
+            JointKind::Prismatic => ([[zx, zy, zz], [0.0; 3]], 0.0),
+        };
+        for (joint, factor) in &row.terms {
+            let Some((column, distance)) = columns.get_mut(*joint) else {
+                continue;
+            };
+            column.iter_mut().zip(rates.as_flattened()).for_each(|(sum, rate)| *sum += factor * rate);
+            *distance += factor.abs() * arm;
+        }
+    }
+    columns
+}
+
 /// What the product is computed in.
 trait Number:
     Copy + core::ops::Add<Output = Self> + core::ops::Mul<Output = Self> + core::ops::Neg<Output = Self>

@@ -36,6 +36,15 @@ impl Function {
                     set(dimensions, *root, u8::from(length));
                     self.walk(body, model, constants, dimensions);
                 }
+                Step::General { chain, roots, body, .. } => {
+                    let joints = chain.prismatic.iter().enumerate();
+                    let slides =
+                        joints.filter(|(place, _)| !chain.given.contains(place)).map(|(_, slides)| *slides);
+                    for (root, slides) in roots.iter().zip(slides) {
+                        set(dimensions, *root, u8::from(slides));
+                    }
+                    self.walk(body, model, constants, dimensions);
+                }
                 Step::SinCos { .. } | Step::Accept { .. } => {}
             }
         }

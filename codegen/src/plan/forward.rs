@@ -28,6 +28,7 @@ fn function(kind: FunctionKind, equations: &Equations, joints: usize, constants:
         kind,
         values: scheduler.values,
         inputs: joints,
+        free: Vec::new(),
         steps: scheduler.steps,
         outputs,
         counts: scheduler.counts,

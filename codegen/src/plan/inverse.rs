@@ -5,6 +5,7 @@ use super::{Equation, Function, FunctionKind, Measure, Scalar, Stage, Step};
 use crate::model::{JointKind, Model, Problem, Target};
 use crate::symbolic::expression::Expr;
 use crate::symbolic::inverse_kinematics::{self, Derivation, Refusal, StageEquation};
+use crate::symbolic::redundancy;
 use dh_core::FULL_POSE;
 
 /// A problem that has no function, and why.
@@ -23,7 +24,17 @@ pub struct Unsolved {
 pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Function>, Vec<Unsolved>) {
     let (mut functions, mut unsolved) = (Vec::new(), Vec::new());
     let mut derived: Vec<(Problem, Result<Derivation, Refusal>)> = Vec::new();
-    let pose = (model.joints.len() <= Target::Pose.rows()).then(|| (None, full_pose()));
+    let named = model.problems.iter().any(|problem| problem.name == FULL_POSE);
+    let excess = model.joints.len().saturating_sub(Target::Pose.rows());
+    if !named && excess == 1 {
+        match redundant(model) {
+            Ok((problem, derivation)) => {
+                functions.push(function(None, &problem, &derivation, true, constants))
+            }
+            Err(refusal) => unsolved.push(Unsolved { problem: None, refusal }),
+        }
+    }
+    let pose = (!named && excess == 0).then(|| (None, full_pose(Vec::new())));
     let entries = model.problems.iter().enumerate().map(|(index, problem)| (Some(index), problem.clone()));
     for (index, problem) in pose.into_iter().chain(entries) {
         let same = derived.iter().position(|(other, _)| {
@@ -39,12 +50,9 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
         });
         match derived.get(at) {
             Some((problem, Ok(derivation))) => {
-                let polish = problem.target == Target::Pose
-                    && problem.constraints.is_empty()
-                    && index
-                        .and_then(|index| model.problems.get(index))
-                        .is_none_or(|own| own.filters.is_empty());
-                functions.push(function(index, derivation, polish, constants));
+                let index_of = index.and_then(|index| model.problems.get(index));
+                let polish = problem.is_whole_pose() && index_of.is_none_or(Problem::is_whole_pose);
+                functions.push(function(index, problem, derivation, polish, constants));
             }
             Some((_, Err(refusal))) => {
                 unsolved.push(Unsolved { problem: index, refusal: refusal.clone() });
@@ -55,27 +63,54 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
     (functions, unsolved)
 }
 
+/// Six revolute joints have no fewer branches than this: a joint that leaves so many is taken without trying others.
+const FEW_BRANCHES: usize = 8;
+
+/// The full pose of an arm with one joint too many: with that joint left to the caller which leaves the fewest
+/// branches, of equal ones the one that takes the greatest part in the self-motion.
+fn redundant(model: &Model) -> Result<(Problem, Derivation), Refusal> {
+    let mut best: Option<(Problem, Derivation)> = None;
+    let mut refused = Refusal::NoClosedForm;
+    for joint in redundancy::joints(model) {
+        let problem = full_pose(vec![joint]);
+        match inverse_kinematics::derive(model, &problem) {
+            Ok(derivation) => {
+                let branches = derivation.branches();
+                if best.as_ref().is_none_or(|(_, least)| branches < least.branches()) {
+                    best = Some((problem, derivation));
+                }
+                if branches <= FEW_BRANCHES {
+                    break;
+                }
+            }
+            Err(refusal) => refused = refusal,
+        }
+    }
+    best.ok_or(refused)
+}
+
 /// The full pose as a problem of the table that prescribes it and constrains nothing.
-fn full_pose() -> Problem {
+pub(super) fn full_pose(free: Vec<usize>) -> Problem {
     Problem {
         name: FULL_POSE.to_owned(),
         target: Target::Pose,
         constraints: Vec::new(),
         filters: Vec::new(),
-        free: Vec::new(),
+        free,
         span: 0..0,
         line: 0,
     }
 }
 
 fn function(
-    problem: Option<usize>,
+    index: Option<usize>,
+    problem: &Problem,
     derivation: &Derivation,
     polish: bool,
     constants: &mut Constants,
 ) -> Function {
     let arena = &derivation.arena;
-    let inputs: Vec<String> = derivation
+    let mut inputs: Vec<String> = derivation
         .inputs
         .iter()
         .filter_map(|input| match arena.node(*input) {
@@ -85,18 +120,25 @@ fn function(
             _ => None,
         })
         .collect();
+    let target = inputs.len();
+    inputs.extend(derivation.given.iter().cloned());
     let coefficients = derivation.stages.iter().flat_map(|stage| stage.equation.coefficients());
     let computed: Vec<Expr> = coefficients.chain(derivation.tool.iter().copied()).collect();
     let mut scheduler = Scheduler::new(arena, constants, &inputs, &computed);
     for (index, input) in derivation.inputs.iter().enumerate() {
         scheduler.bind(*input, super::ValueId(index));
     }
+    scheduler.variables = (target..inputs.len()).map(super::ValueId).collect();
+    // What depends on the given joints alone is the same in every branch.
+    scheduler.leaves_of(derivation.given.len(), &computed);
+    let mut steps = std::mem::take(&mut scheduler.steps);
     let stages = derivation.stages.iter().map(stage).collect();
-    let steps = nested(&mut scheduler, derivation, polish, 0);
+    steps.extend(nested(&mut scheduler, derivation, polish, 0));
     Function {
-        kind: FunctionKind::Inverse(problem),
+        kind: FunctionKind::Inverse(index),
         values: scheduler.values,
         inputs: inputs.len(),
+        free: problem.free.clone(),
         steps,
         outputs: Vec::new(),
         counts: scheduler.counts,
@@ -123,7 +165,7 @@ fn nested(scheduler: &mut Scheduler<'_>, derivation: &Derivation, polish: bool, 
     if let Some(slide) = stage.slide {
         scheduler.bind(slide, root);
     }
-    let sin_cos = scheduler.sin_cos_of_variable(index);
+    let sin_cos = scheduler.sin_cos_of_variable(derivation.given.len() + index);
     let body = nested(scheduler, derivation, polish, index + 1);
     if let Some(equation) = equation(&stage.equation, scalars) {
         steps.push(Step::Solve { stage: index, root, sin_cos, equation, body });

@@ -141,7 +141,13 @@ impl<'a> Scheduler<'a> {
 
     /// Sines, cosines and slides that the expressions need and that aren't there yet, in the order of the joints.
     fn leaves(&mut self, roots: &[Expr]) {
-        let mut angles: BTreeMap<(Vec<usize>, usize), [Option<Expr>; 2]> = BTreeMap::new();
+        self.leaves_of(usize::MAX, roots);
+    }
+
+    /// Those of them in which only the first so many variables are.
+    pub(super) fn leaves_of(&mut self, variables: usize, roots: &[Expr]) {
+        let known = |terms: &[(usize, f64)]| terms.iter().all(|(variable, _)| *variable < variables);
+        let mut angles: BTreeSet<(Vec<usize>, usize)> = BTreeSet::new();
         let mut slides = BTreeMap::new();
         let mut seen = HashSet::new();
         let mut open = roots.to_vec();
@@ -152,21 +158,25 @@ impl<'a> Scheduler<'a> {
             match self.arena.node(x) {
                 Node::Number(_) => {}
                 Node::Leaf(index) => {
-                    slides.insert(index, x);
+                    if let Some((_, Leaf::Slide { terms, .. })) = self.arena.leaf_at(index)
+                        && known(terms)
+                    {
+                        slides.insert(index, x);
+                    }
                 }
                 Node::Sin(index) | Node::Cos(index) => {
-                    let Some((_, form)) = self.arena.angle_at(index) else { continue };
-                    let order = form.terms.iter().map(|term| term.0).collect();
-                    let pair = angles.entry((order, index)).or_default();
-                    let [sin, cos] = pair;
-                    *(if matches!(self.arena.node(x), Node::Sin(_)) { sin } else { cos }) = Some(x);
+                    let Some((_, form)) = self.arena.angle_at(index).filter(|(_, form)| known(&form.terms))
+                    else {
+                        continue;
+                    };
+                    angles.insert((form.terms.iter().map(|term| term.0).collect(), index));
                 }
                 Node::Neg(a) => open.push(a),
                 Node::Add(a, b) | Node::Mul(a, b) => open.extend([a, b]),
             }
         }
-        for ((_, index), [sin, cos]) in angles {
-            self.sin_cos(index, sin, cos);
+        for (_, index) in angles {
+            self.sin_cos(index);
         }
         for (index, x) in slides {
             self.slide(index, x);
@@ -175,7 +185,7 @@ impl<'a> Scheduler<'a> {
 
     /// `(s, c) = sincos(angle)`. Whole quarter turns are taken out of the angle and put into the names, where they are
     /// exact and cost nothing.
-    fn sin_cos(&mut self, index: usize, sin: Option<Expr>, cos: Option<Expr>) {
+    fn sin_cos(&mut self, index: usize) {
         let Some((suffix, form)) = self.arena.angle_at(index) else { return };
         let quarters = if form.turn.rest == 0.0 && form.turn.fifteenths % 6 == 0 {
             form.turn.fifteenths.div_euclid(6).rem_euclid(4)
@@ -197,7 +207,9 @@ impl<'a> Scheduler<'a> {
         let [sin_id, cos_id] = ids;
         self.steps.push(Step::SinCos { sin: sin_id, cos: cos_id, angle });
         for ((letter, negative), id) in [first, second].into_iter().zip(ids) {
-            let Some(expr) = (if letter == "s" { sin } else { cos }) else { continue };
+            // What a later step needs is computed here already.
+            let node = if letter == "s" { Node::Sin(index) } else { Node::Cos(index) };
+            let Some(expr) = self.arena.find(node) else { continue };
             let id = if negative {
                 let whole = self.value(&name(letter, false));
                 self.steps.push(Step::Let { name: whole, value: Scalar::Neg(Box::new(Scalar::Value(id))) });

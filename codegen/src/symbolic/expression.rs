@@ -98,6 +98,11 @@ impl Default for Arena {
 }
 
 impl Arena {
+    /// The expression of this structure, if it was made.
+    pub fn find(&self, node: Node) -> Option<Expr> {
+        self.ids.get(&node).copied()
+    }
+
     /// An exact constant.
     pub fn number(&mut self, number: Number) -> Expr {
         if number.is_negative() {

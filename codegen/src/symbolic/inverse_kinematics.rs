@@ -8,26 +8,33 @@
 mod atoms;
 mod candidates;
 mod closure;
-mod equation;
+/// Problems without a closed form as chains of six joints.
+pub mod general;
 mod polynomial;
 mod reading;
 mod samples;
 mod search;
 mod tool;
+mod tracked;
 mod unknowns;
 mod walk;
 mod writing;
 
 use super::expression::{Arena, Expr};
 use crate::model::{JointKind, Model, Problem, Target};
+use tracked::Seen;
 
 /// The solution of a problem: steps, and the joint variables in terms of their roots.
+///
+/// Variables of angles and of linear forms are the joints that the caller gives, then the roots of the stages.
 #[derive(Debug, Clone)]
 pub struct Derivation {
-    /// All expressions. Variable k of its angles is the root of stage k.
+    /// All expressions.
     pub arena: Arena,
     /// The numbers of the target.
     pub inputs: Vec<Expr>,
+    /// Names of the joints that the caller gives: `q3`.
+    pub given: Vec<String>,
     /// In order.
     pub stages: Vec<Stage>,
     /// Every joint variable q.
@@ -36,10 +43,17 @@ pub struct Derivation {
     pub tool: Vec<Expr>,
 }
 
-/// Sum of coefficient * root, and a constant.
+impl Derivation {
+    /// How many branches it has: candidates for solutions.
+    pub fn branches(&self) -> usize {
+        self.stages.iter().map(|stage| stage.equation.roots()).product()
+    }
+}
+
+/// Sum of coefficient * variable, and a constant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Linear {
-    /// (stage, coefficient).
+    /// (variable, coefficient).
     pub terms: Vec<(usize, f64)>,
     /// rad or m
     pub constant: f64,
@@ -84,6 +98,14 @@ pub enum StageEquation {
 }
 
 impl StageEquation {
+    /// How many roots it has at most.
+    pub fn roots(&self) -> usize {
+        match self {
+            Self::Trig(_) | Self::TrigUnit(..) | Self::Quadratic(_) => 2,
+            Self::TrigPair(..) | Self::Linear(_) => 1,
+        }
+    }
+
     /// In the order in which they are written above.
     pub fn coefficients(&self) -> Vec<Expr> {
         match self {
@@ -102,8 +124,6 @@ pub enum Refusal {
     NoClosedForm,
     /// The target is not handled by this method.
     NotByThisMethod,
-    /// Joints are left to the caller.
-    Free,
     /// A row follows others by a factor that isn't a whole number, or mixes angles and lengths.
     Coupling,
 }
@@ -114,7 +134,6 @@ impl Refusal {
         match self {
             Self::NoClosedForm => "no order of steps with one unknown each solves it in closed form",
             Self::NotByThisMethod => "this target isn't solved in closed form",
-            Self::Free => "problems that leave joints free are not solved yet",
             Self::Coupling => {
                 "a joint follows another by a factor that is no whole number, so that its whole turns cannot be told apart"
             }
@@ -133,28 +152,26 @@ fn by_a_fraction(constraint: &crate::model::Linear) -> bool {
 /// # Errors
 /// Says why there is none in closed form.
 pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
-    if !problem.free.is_empty() {
-        return Err(Refusal::Free);
-    }
     if problem.constraints.iter().any(by_a_fraction) {
         return Err(Refusal::Coupling);
     }
-    let unknowns = unknowns::eliminate(model, &problem.constraints).map_err(|_| Refusal::Coupling)?;
-    let forward = seen_from(closure::Seen::FromBase, model, problem, &unknowns);
-    match forward {
-        Err(Refusal::NoClosedForm) if problem.target == Target::Pose => {
-            seen_from(closure::Seen::FromTool, model, problem, &unknowns)
+    let unknowns =
+        unknowns::eliminate(model, &problem.constraints, &problem.free).map_err(|_| Refusal::Coupling)?;
+    let from_base = solve(model, problem, &unknowns, Seen::FromBase);
+    match (from_base, problem.target) {
+        (Err(Refusal::NoClosedForm), Target::Pose | Target::Rotation) => {
+            solve(model, problem, &unknowns, Seen::FromTool)
         }
-        result => result,
+        (outcome, _) => outcome,
     }
 }
 
-/// The same from one end of the chain.
-fn seen_from(
-    seen: closure::Seen,
+/// The same from one end of the arm.
+fn solve(
     model: &Model,
     problem: &Problem,
     unknowns: &unknowns::Unknowns,
+    seen: Seen,
 ) -> Result<Derivation, Refusal> {
     let mut arena = Arena::default();
     let closure =

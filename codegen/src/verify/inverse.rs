@@ -23,6 +23,8 @@ pub(super) struct Inverse<'v> {
     /// Index into `Model::problems`; `None` for the full pose.
     pub(super) problem: Option<usize>,
     pub(super) constraints: &'v Constraints,
+    /// Joints that the caller gives.
+    pub(super) free: &'v [usize],
     /// Whole turns that make no difference.
     pub(super) windings: &'v [Winding<'v>],
     /// m
@@ -59,7 +61,7 @@ impl Inverse<'_> {
         wheres: &Wheres<'_>,
         report: &mut FunctionReport,
     ) -> Result<(), String> {
-        let free: Vec<f64> = self.given().iter().map(|joint| q.get(*joint).copied().unwrap_or(0.0)).collect();
+        let free: Vec<f64> = self.free.iter().map(|joint| q.get(*joint).copied().unwrap_or(0.0)).collect();
         let answer = self.program.inverse(self.problem, target, &free, self.windings, |_| ());
         let Some(answer) = answer else { return Err("it cannot be run".to_owned()) };
         let allowed = wheres.clearly_keep(q);
@@ -117,16 +119,10 @@ impl Inverse<'_> {
         problem.map_or(model::Target::Pose, |problem| problem.target)
     }
 
-    /// Joints that the caller gives.
-    fn given(&self) -> &[usize] {
-        let problem = self.problem.and_then(|index| self.model.problems.get(index));
-        problem.map_or(&[], |problem| &problem.free)
-    }
-
     /// The smallest singular value of how the prescribed numbers change with the unknowns (m/rad, 1, ...), by central
     /// differences of the product of the rows.
     fn smallest_singular_value(&self, q: &[f64], target: &Target<f64>) -> f64 {
-        let unknowns = self.constraints.independent.iter().filter(|joint| !self.given().contains(joint));
+        let unknowns = self.constraints.independent.iter().filter(|joint| !self.free.contains(joint));
         let column = |joint: &usize| {
             let direction = self.constraints.direction(*joint, q.len());
             let at = |step: f64| {

@@ -12,6 +12,10 @@ fn scalars<'p>(steps: &'p mut [Step], found: &mut Vec<&'p mut Scalar>) {
         match step {
             Step::Let { value, .. } => found.push(value),
             Step::SinCos { angle, .. } => found.push(angle),
+            Step::General { given, body, .. } => {
+                found.extend(given);
+                scalars(body, found);
+            }
             Step::Accept { q, tool, .. } => {
                 found.extend(q);
                 found.extend(tool);

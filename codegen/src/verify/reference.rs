@@ -1,8 +1,8 @@
 //! What functions are held against: the product of the rows' matrices of the very table, which shares nothing with
 //! the equations and the plan.
 
+use crate::model::Model;
 use crate::model::product::{self, Frames, Matrix};
-use crate::model::{Convention, JointKind, Model};
 use dh_core::Frame;
 
 /// The robot at one joint vector, from the product alone.
@@ -24,39 +24,9 @@ impl<'m> Reference<'m> {
         self.frames.rows.last().copied().unwrap_or(self.frames.tool)
     }
 
-    /// Columns of the geometric Jacobian at the tool point, each with the distance of its axis' origin (m), to which
-    /// rounding is relative: z x (p - o) and z for a row that turns, z and 0 for one that slides.
+    /// Columns of the geometric Jacobian at the tool point, see [`product::jacobian`].
     pub(super) fn jacobian(&self) -> Vec<([f64; 6], f64)> {
-        let mut columns = vec![([0.0; 6], 0.0); self.model.joints.len()];
-        let [tx, ty, tz] = position(&self.frames.tool);
-        for (index, row) in self.model.rows.iter().enumerate() {
-            // Standard rows turn about the z axis of the frame before theirs, modified ones about their own.
-            let frame = match self.model.convention {
-                Convention::Standard => index,
-                Convention::Modified => index + 1,
-            };
-            let Some(frame) = self.frames.rows.get(frame) else {
-                continue;
-            };
-            let [ox, oy, oz] = position(frame);
-            let [zx, zy, zz] = axis(frame, 2);
-            let (lx, ly, lz) = (tx - ox, ty - oy, tz - oz);
-            let (rates, arm) = match row.kind {
-                JointKind::Revolute => {
-                    let velocity = [zy * lz - zz * ly, zz * lx - zx * lz, zx * ly - zy * lx];
-                    ([velocity, [zx, zy, zz]], (lx * lx + ly * ly + lz * lz).sqrt())
-                }
-                JointKind::Prismatic => ([[zx, zy, zz], [0.0; 3]], 0.0),
-            };
-            for (joint, factor) in &row.terms {
-                let Some((column, distance)) = columns.get_mut(*joint) else {
-                    continue;
-                };
-                column.iter_mut().zip(rates.as_flattened()).for_each(|(sum, rate)| *sum += factor * rate);
-                *distance += factor.abs() * arm;
-            }
-        }
-        columns
+        product::jacobian(self.model, &self.frames)
     }
 }
 
@@ -74,11 +44,6 @@ pub(super) fn frame([x, y, z]: &Matrix) -> Frame<f64> {
 /// The origin of a frame (m).
 pub(super) fn position(matrix: &Matrix) -> [f64; 3] {
     matrix.map(|[_, _, _, p]| p)
-}
-
-/// The x, y or z axis of a frame.
-pub(super) fn axis(matrix: &Matrix, axis: usize) -> [f64; 3] {
-    matrix.map(|row| row.get(axis).copied().unwrap_or(0.0))
 }
 
 /// Distance of two matrices' origins (m) and Frobenius distance of their rotations over sqrt(2), which is the angle

@@ -193,7 +193,8 @@ fn constraints_with_fractions_hold_modulo_what_turns_make_of_them() {
     assert!((constraints.excess(&[0.3, 0.25]) - 0.1).abs() < 1e-15);
     let rate = constraints.direction(constraints.independent[0], 2);
     assert!((rate[1] * 2.0 - rate[0]).abs() < 1e-15);
-    assert_eq!(super::name(&model, &FunctionKind::Inverse(Some(0))), "ik_all_geared");
+    assert_eq!(super::name(&model, &FunctionKind::Inverse(Some(0)), &[]), "ik_all_geared");
+    assert_eq!(super::name(&model, &FunctionKind::Inverse(Some(0)), &[1]), "ik_at_geared");
 }
 
 #[test]

@@ -63,11 +63,12 @@ pub(crate) fn every_target() -> (Model, Plan) {
     let every = [(None, Target::Pose)]
         .into_iter()
         .chain(kinds.iter().enumerate().map(|(i, (_, kind))| (Some(i), *kind)));
-    let mut add = |problem, inputs: &[&str]| {
+    let mut add = |problem, inputs: &[&str], free: &[usize]| {
         let q = [0, inputs.len() - 1].map(|i| Scalar::Value(ValueId(i))).to_vec();
         plan.functions.push(Function {
             kind: FunctionKind::Inverse(problem),
             inputs: inputs.len(),
+            free: free.to_vec(),
             values: inputs.iter().map(|name| (*name).to_owned()).collect(),
             steps: vec![accept(q)],
             outputs: Vec::new(),
@@ -75,8 +76,8 @@ pub(crate) fn every_target() -> (Model, Plan) {
             stages: Vec::new(),
         });
     };
-    every.for_each(|(problem, target)| add(problem, target.input_names()));
-    add(Some(kinds.len()), &["px", "py", "q2"]);
+    every.for_each(|(problem, target)| add(problem, target.input_names(), &[]));
+    add(Some(kinds.len()), &["px", "py", "q2"], &[1]);
     (model, plan)
 }
 
@@ -117,6 +118,7 @@ fn planar_inverse(problem: usize, a1: &Scalar, a2: &Scalar) -> Function {
         kind: FunctionKind::Inverse(Some(problem)),
         values: values.map(str::to_owned).to_vec(),
         inputs: 2,
+        free: Vec::new(),
         steps: vec![Step::Solve { stage: 0, root: theta2, sin_cos: None, equation: trig, body }],
         outputs: Vec::new(),
         counts: Counts { mul: 8, add: 4, sincos: 1, angle_add: 0 },
@@ -161,6 +163,7 @@ fn polar_inverse(a2: Scalar) -> Function {
         kind: FunctionKind::Inverse(Some(0)),
         values: values.map(str::to_owned).to_vec(),
         inputs: 2,
+        free: Vec::new(),
         steps: vec![Step::Solve {
             stage: 0,
             root: theta1,

@@ -5,9 +5,10 @@
 use ::core::f64::consts::TAU;
 use ::dh_runtime::nalgebra::{Point2, Point3, Rotation3, UnitVector3};
 use ::dh_runtime::{
-    FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Mounted, NamedPose,
-    Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Target, TargetKind,
-    Violations, Winding, copy_into, jacobian_from_columns, joint_array,
+    FULL_POSE, Float, Frame, FreeValues, IkError, Jacobian, Joint, Kinematics, LengthError, Limits,
+    Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search, Servo, Solution, SolutionSet,
+    Solutions, Target, TargetKind, Violations, Winding, copy_into, jacobian_from_columns,
+    joint_array,
 };
 
 /// Kinematics of the Every target: 2 revolute joints.
@@ -644,7 +645,7 @@ impl EveryTarget {
     ///
     /// `position`: x and y of the tool point in the base frame (m).
     ///
-    /// `free`: the values of J2 (rad).
+    /// `free`: the value of J2 (rad).
     ///
     /// Besides solving, on each branch: 0 multiplications, 0 additions, 0 sine-cosine pairs.
     ///
@@ -654,9 +655,37 @@ impl EveryTarget {
     pub fn ik_at_given(
         &self,
         position: &Point2<f64>,
-        free: &[f64; 1],
+        free: impl FreeValues<1>,
     ) -> Result<Solutions<2>, IkError> {
-        solve_given(&Target::Xy((*position).into()), free)
+        solve_given(&Target::Xy((*position).into()), &free.values())
+    }
+
+    /// The joint that `ik_at_given` leaves to the caller: J2 (rad).
+    pub const REDUNDANCY_GIVEN: Redundancy<'static> = Redundancy::of_problem(1, Self::RULES, REACH);
+
+    /// [`Self::ik_at_given`] at 16 values of J2 (rad), spread evenly over its limits (over the
+    /// whole turn where these leave it): every geometric solution of the table's problem `given`,
+    /// limits of the other joints ignored.
+    ///
+    /// `position`: x and y of the tool point in the base frame (m).
+    ///
+    /// As many as there is room for are put into `out`; how many there are is returned.
+    pub fn ik_sweep_given(&self, position: &Point2<f64>, out: &mut [Solution<2>]) -> usize {
+        let target = &Target::Xy((*position).into());
+        let at = |free| solve_given(target, &[free]);
+        Self::REDUNDANCY_GIVEN.sweep(at, out)
+    }
+
+    /// The intervals of J2 (rad) at which a solution of [`Self::ik_at_given`] keeps all limits and
+    /// rules, in increasing order; see [`Redundancy`].
+    ///
+    /// `position`: x and y of the tool point in the base frame (m).
+    ///
+    /// As many as there is room for are put into `out`; how many there are is returned.
+    pub fn ik_intervals_given(&self, position: &Point2<f64>, out: &mut [Limits]) -> usize {
+        let target = &Target::Xy((*position).into());
+        let at = |free| solve_given(target, &[free]);
+        Self::REDUNDANCY_GIVEN.intervals(at, tool_point, out)
     }
 
     /// This arm with another frame at its tool: the pose (m) of the tool point in the table's tool
@@ -933,22 +962,72 @@ impl Kinematics for EveryTarget {
         target: &Target,
         out: &mut SolutionSet,
     ) -> Result<(), IkError> {
+        if let Some(redundancy) = self.redundancy(problem) {
+            return redundancy.sweep_into(self, problem, target, out);
+        }
+        self.ik_at_into(problem, target, &[], out)
+    }
+
+    fn ik_at_into(
+        &self,
+        problem: &str,
+        target: &Target,
+        free: &[f64],
+        out: &mut SolutionSet,
+    ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
-            FULL_POSE => solve_pose(target)?,
-            "position" => solve_position(target)?,
-            "position_direction" => solve_position_direction(target)?,
-            "position_yaw" => solve_position_yaw(target)?,
-            "rotation" => solve_rotation(target)?,
-            "direction" => solve_direction(target)?,
-            "ray" => solve_ray(target)?,
-            "lookat" => solve_lookat(target)?,
-            "xy" => solve_xy(target)?,
-            "xy_yaw" => solve_xy_yaw(target)?,
-            "given" => solve_given(target, joint_array(&[])?)?,
+            FULL_POSE => {
+                LengthError::check(0, free.len())?;
+                solve_pose(target)?
+            }
+            "position" => {
+                LengthError::check(0, free.len())?;
+                solve_position(target)?
+            }
+            "position_direction" => {
+                LengthError::check(0, free.len())?;
+                solve_position_direction(target)?
+            }
+            "position_yaw" => {
+                LengthError::check(0, free.len())?;
+                solve_position_yaw(target)?
+            }
+            "rotation" => {
+                LengthError::check(0, free.len())?;
+                solve_rotation(target)?
+            }
+            "direction" => {
+                LengthError::check(0, free.len())?;
+                solve_direction(target)?
+            }
+            "ray" => {
+                LengthError::check(0, free.len())?;
+                solve_ray(target)?
+            }
+            "lookat" => {
+                LengthError::check(0, free.len())?;
+                solve_lookat(target)?
+            }
+            "xy" => {
+                LengthError::check(0, free.len())?;
+                solve_xy(target)?
+            }
+            "xy_yaw" => {
+                LengthError::check(0, free.len())?;
+                solve_xy_yaw(target)?
+            }
+            "given" => solve_given(target, joint_array(free)?)?,
             _ => return Err(IkError::UnknownProblem),
         };
         out.fill(Self::DOF, &solutions);
         Ok(())
+    }
+
+    fn redundancy(&self, problem: &str) -> Option<Redundancy<'_>> {
+        match problem {
+            "given" => Some(Self::REDUNDANCY_GIVEN),
+            _ => None,
+        }
     }
 }

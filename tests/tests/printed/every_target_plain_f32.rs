@@ -4,9 +4,9 @@
 
 use ::core::f32::consts::TAU;
 use ::dh_runtime::{
-    FULL_POSE, Float, Frame, IkError, Joint, Kinematics, LengthError, Mounted, NamedPose,
-    ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Target, TargetKind, Violations,
-    Winding, copy_into, joint_array,
+    FULL_POSE, Float, Frame, FreeValues, IkError, Joint, Kinematics, LengthError, Limits, Mounted,
+    NamedPose, ProblemInfo, Redundancy, Rules, Search, Servo, Solution, SolutionSet, Solutions,
+    Target, TargetKind, Violations, Winding, copy_into, joint_array,
 };
 
 /// Kinematics of the Every target: 2 revolute joints.
@@ -660,7 +660,7 @@ impl EveryTarget {
     ///
     /// `position`: x and y of the tool point in the base frame (m).
     ///
-    /// `free`: the values of J2 (rad).
+    /// `free`: the value of J2 (rad).
     ///
     /// Besides solving, on each branch: 0 multiplications, 0 additions, 0 sine-cosine pairs.
     ///
@@ -670,9 +670,38 @@ impl EveryTarget {
     pub fn ik_at_given(
         &self,
         position: &[f32; 2],
-        free: &[f32; 1],
+        free: impl FreeValues<1, f32>,
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        solve_given(&Target::Xy(*position), free)
+        solve_given(&Target::Xy(*position), &free.values())
+    }
+
+    /// The joint that `ik_at_given` leaves to the caller: J2 (rad).
+    pub const REDUNDANCY_GIVEN: Redundancy<'static, f32> =
+        Redundancy::of_problem(1, Self::RULES, REACH);
+
+    /// [`Self::ik_at_given`] at 16 values of J2 (rad), spread evenly over its limits (over the
+    /// whole turn where these leave it): every geometric solution of the table's problem `given`,
+    /// limits of the other joints ignored.
+    ///
+    /// `position`: x and y of the tool point in the base frame (m).
+    ///
+    /// As many as there is room for are put into `out`; how many there are is returned.
+    pub fn ik_sweep_given(&self, position: &[f32; 2], out: &mut [Solution<2, f32>]) -> usize {
+        let target = &Target::Xy(*position);
+        let at = |free| solve_given(target, &[free]);
+        Self::REDUNDANCY_GIVEN.sweep(at, out)
+    }
+
+    /// The intervals of J2 (rad) at which a solution of [`Self::ik_at_given`] keeps all limits and
+    /// rules, in increasing order; see [`Redundancy`].
+    ///
+    /// `position`: x and y of the tool point in the base frame (m).
+    ///
+    /// As many as there is room for are put into `out`; how many there are is returned.
+    pub fn ik_intervals_given(&self, position: &[f32; 2], out: &mut [Limits<f32>]) -> usize {
+        let target = &Target::Xy(*position);
+        let at = |free| solve_given(target, &[free]);
+        Self::REDUNDANCY_GIVEN.intervals(at, tool_point, out)
     }
 
     /// This arm with another frame at its tool: the pose (m) of the tool point in the table's tool
@@ -954,22 +983,72 @@ impl Kinematics<f32> for EveryTarget {
         target: &Target<f32>,
         out: &mut SolutionSet<f32>,
     ) -> Result<(), IkError<f32>> {
+        if let Some(redundancy) = self.redundancy(problem) {
+            return redundancy.sweep_into(self, problem, target, out);
+        }
+        self.ik_at_into(problem, target, &[], out)
+    }
+
+    fn ik_at_into(
+        &self,
+        problem: &str,
+        target: &Target<f32>,
+        free: &[f32],
+        out: &mut SolutionSet<f32>,
+    ) -> Result<(), IkError<f32>> {
         out.clear();
         let solutions = match problem {
-            FULL_POSE => solve_pose(target)?,
-            "position" => solve_position(target)?,
-            "position_direction" => solve_position_direction(target)?,
-            "position_yaw" => solve_position_yaw(target)?,
-            "rotation" => solve_rotation(target)?,
-            "direction" => solve_direction(target)?,
-            "ray" => solve_ray(target)?,
-            "lookat" => solve_lookat(target)?,
-            "xy" => solve_xy(target)?,
-            "xy_yaw" => solve_xy_yaw(target)?,
-            "given" => solve_given(target, joint_array(&[])?)?,
+            FULL_POSE => {
+                LengthError::check(0, free.len())?;
+                solve_pose(target)?
+            }
+            "position" => {
+                LengthError::check(0, free.len())?;
+                solve_position(target)?
+            }
+            "position_direction" => {
+                LengthError::check(0, free.len())?;
+                solve_position_direction(target)?
+            }
+            "position_yaw" => {
+                LengthError::check(0, free.len())?;
+                solve_position_yaw(target)?
+            }
+            "rotation" => {
+                LengthError::check(0, free.len())?;
+                solve_rotation(target)?
+            }
+            "direction" => {
+                LengthError::check(0, free.len())?;
+                solve_direction(target)?
+            }
+            "ray" => {
+                LengthError::check(0, free.len())?;
+                solve_ray(target)?
+            }
+            "lookat" => {
+                LengthError::check(0, free.len())?;
+                solve_lookat(target)?
+            }
+            "xy" => {
+                LengthError::check(0, free.len())?;
+                solve_xy(target)?
+            }
+            "xy_yaw" => {
+                LengthError::check(0, free.len())?;
+                solve_xy_yaw(target)?
+            }
+            "given" => solve_given(target, joint_array(free)?)?,
             _ => return Err(IkError::UnknownProblem),
         };
         out.fill(Self::DOF, &solutions);
         Ok(())
+    }
+
+    fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, f32>> {
+        match problem {
+            "given" => Some(Self::REDUNDANCY_GIVEN),
+            _ => None,
+        }
     }
 }

@@ -14,6 +14,8 @@ pub(super) struct Body<'a> {
     pub(super) live: Live,
     /// Name of the constant that describes each stage.
     pub(super) stages: &'a [String],
+    /// Name of the constant that holds the chain of a function without a closed form.
+    pub(super) chain: &'a str,
 }
 
 /// What an inverse function comes to.
@@ -28,6 +30,7 @@ pub(super) struct Candidate<'a> {
 pub(super) struct Locals {
     pub(super) values: Vec<String>,
     pub(super) stages: Vec<String>,
+    pub(super) chain: String,
 }
 
 impl Locals {
@@ -41,7 +44,8 @@ impl Locals {
         let values = function.values.iter().enumerate().map(name).collect();
         let mut names = scope.clone();
         let stages = function.stages.iter().map(|stage| names.constant(&stage.unknown)).collect();
-        Self { values, stages }
+        let chain = names.constant("chain");
+        Self { values, stages, chain }
     }
 }
 
@@ -80,6 +84,29 @@ impl Body<'_> {
                     };
                     let some = self.leaves.paths.prelude("Some");
                     text.line(format!("while let {some}({found}) = search.{next}(&mut roots) {{"));
+                    let mut nested = Text::indented(text.indent() / 4 + 1);
+                    self.steps(&mut nested, body, accept);
+                    text.append(&nested.into_string());
+                    text.line("}");
+                }
+                Step::General { stage, given, roots, body, .. } => {
+                    text.gap();
+                    if let Some(stage) = self.function.stages.get(*stage) {
+                        explain(text, stage);
+                    }
+                    let roots: Vec<_> = roots.iter().map(|root| self.name(*root)).collect();
+                    let head = format!("for [{}] in", roots.join(", "));
+                    let given = given.iter().map(|value| self.leaves.expression(value)).collect();
+                    let given = Expression::Array(given).flat();
+                    let arguments = [
+                        self.stages.get(*stage).map_or("", String::as_str),
+                        &format!("&{}", self.chain),
+                        "&target",
+                        &format!("&{given}"),
+                    ];
+                    let arguments = arguments.map(|argument| Expression::Atom(argument.to_owned())).to_vec();
+                    let call = Expression::Call("search.general".to_owned(), arguments);
+                    text.laid_out(&statement(text.indent(), &head, &call, " {"));
                     let mut nested = Text::indented(text.indent() / 4 + 1);
                     self.steps(&mut nested, body, accept);
                     text.append(&nested.into_string());

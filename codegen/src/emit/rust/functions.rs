@@ -124,6 +124,7 @@ impl<'a> Printer<'a> {
             },
             live: Live::of(function, self.plan.constants.len()),
             stages: &locals.stages,
+            chain: &locals.chain,
         }
     }
 

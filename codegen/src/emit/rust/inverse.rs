@@ -7,7 +7,7 @@ use super::names::function_suffix;
 use super::number::{self, number};
 use super::text::{Text, clean};
 use crate::model::{Filter, JointKind, Problem, Row, Target};
-use crate::plan::{Function, FunctionKind, Measure, Scalar, Stage, Step, ValueId};
+use crate::plan::{Function, FunctionKind, GeneralChain, Measure, Scalar, Stage, Step, ValueId};
 use dh_core::FULL_POSE;
 
 impl<'a> Printer<'a> {
@@ -35,6 +35,11 @@ impl<'a> Printer<'a> {
         let mut lines = Text::indented(1);
         for (index, (stage, name)) in function.stages.iter().zip(&locals.stages).enumerate() {
             lines.line(self.stage(index, stage, name));
+        }
+        for step in &function.steps {
+            if let Step::General { chain, .. } = step {
+                self.chain(&mut lines, &locals.chain, chain);
+            }
         }
         lines.gap();
         let (numbers, free) = input_patterns(function, problem, &body);
@@ -70,7 +75,7 @@ impl<'a> Printer<'a> {
         Self::allowances(text, &lines);
         allow_case(text, &private_name(problem));
         let mut parameters = vec![format!("target: &{}", self.runtime_type("Target"))];
-        if let Some(count) = free_count(problem) {
+        if let Some(count) = free_count(function) {
             self.small_arguments(text, count);
             parameters.push(format!(
                 "{}: &[{}; {count}]",
@@ -99,6 +104,41 @@ impl<'a> Printer<'a> {
         format!("const {name}: {step} = {step}::new({index}, 0b{rows}, {prismatic}, {measure});")
     }
 
+    /// The chain of a function without a closed form: f64 whatever the scalar, for its polynomials need the digits.
+    fn chain(&self, text: &mut Text, name: &str, chain: &GeneralChain) {
+        let list = |items: Vec<Expression>| Expression::Array(items).flat();
+        let number = |value: f64| {
+            let text = number(value.abs(), super::ScalarType::F64, &self.paths);
+            Expression::Atom(if value < 0.0 { format!("-{text}") } else { text })
+        };
+        let ty = self.paths.runtime("GeneralArm");
+        if chain.links.iter().flat_map(dh_core::Frame::rows).any(number::looks_approximate) {
+            text.line(format!("#[allow({}, reason = \"as the table has it\")]", number::APPROXIMATE));
+        }
+        text.line("#[rustfmt::skip]");
+        text.line(format!("const {name}: {ty}<'static> = {ty} {{"));
+        text.line("    // Rows of [R | p]: before the first joint, between the joints, after the last.");
+        text.line("    links: &[");
+        for link in &chain.links {
+            let rows = link.rows().map(number).to_vec();
+            text.line(format!("        {}::from_rows({}),", self.paths.runtime("Frame"), list(rows)));
+        }
+        text.line("    ],");
+        text.line(format!("    prismatic: &{:?},", chain.prismatic));
+        text.line(format!("    given: &{:?},", chain.given));
+        text.line(format!("    reach: {},", number(chain.reach).flat()));
+        text.line("    charts: &[");
+        for chart in &chain.charts {
+            let dh_core::Chart { dropped, backward, hidden, swapped, divided, degree } = chart;
+            text.line(format!(
+                "        {}::new({dropped}, {backward}, {hidden}, {swapped}, {divided}, {degree}),",
+                self.paths.runtime("Chart")
+            ));
+        }
+        text.line("    ],");
+        text.line("};");
+    }
+
     /// What is done with a candidate.
     fn accept(&self, text: &mut Text, candidate: &Candidate<'_>, problem: Option<&Problem>, body: &Body<'_>) {
         let written = |scalars: &[Scalar]| -> Vec<Expression> {
@@ -118,7 +158,10 @@ impl<'a> Printer<'a> {
             text.line(format!("search.accept_pose(q, {tool}, &pose, pose_and_jacobian);"));
             return;
         }
-        text.line(format!("let (position_error, rotation_error) = target.errors({tool});"));
+        let tool = Expression::Atom(tool.to_owned());
+        let errors = Expression::Call("target.errors".to_owned(), vec![tool]);
+        let head = "let (position_error, rotation_error) =";
+        text.laid_out(&statement(text.indent(), head, &errors, ";"));
         let filters = problem.map_or(&[][..], |problem| &problem.filters);
         if filters.is_empty() {
             text.line("search.accept(q, position_error, rotation_error);");
@@ -210,7 +253,7 @@ impl Printer<'_> {
 /// Whether candidates are brought nearer to the pose.
 fn polishes(steps: &[Step]) -> bool {
     steps.iter().any(|step| match step {
-        Step::Solve { body, .. } => polishes(body),
+        Step::Solve { body, .. } | Step::General { body, .. } => polishes(body),
         Step::Accept { polish, .. } => *polish,
         Step::Let { .. } | Step::SinCos { .. } => false,
     })
@@ -243,9 +286,9 @@ pub(super) fn target_of(problem: Option<&Problem>) -> Target {
     problem.map_or(Target::Pose, |problem| problem.target)
 }
 
-/// How many joints a problem leaves to the caller, where it does.
-pub(super) fn free_count(problem: Option<&Problem>) -> Option<usize> {
-    problem.map(|problem| problem.free.len()).filter(|count| *count > 0)
+/// How many joints a function leaves to the caller, where it does.
+pub(super) fn free_count(function: &Function) -> Option<usize> {
+    Some(function.free.len()).filter(|count| *count > 0)
 }
 
 /// `[r11, _, r13, ..]`: the numbers of the target that are read, and the values of free joints that are.

@@ -10,23 +10,23 @@ use crate::model::Problem;
 use crate::plan::Function;
 
 /// What the methods of one problem have in common.
-struct Methods<'a> {
-    function: &'a Function,
-    problem: Option<&'a Problem>,
+pub(super) struct Methods<'a> {
+    pub(super) function: &'a Function,
+    pub(super) problem: Option<&'a Problem>,
     /// `_tool_down`, or nothing for the full pose.
-    suffix: String,
-    arguments: Arguments,
+    pub(super) suffix: String,
+    pub(super) arguments: Arguments,
 }
 
 impl Methods<'_> {
     /// The parameters, self first.
-    fn parameters(&self, last: Option<String>) -> Vec<String> {
+    pub(super) fn parameters(&self, last: Option<String>) -> Vec<String> {
         let own = self.arguments.parameters.iter().cloned();
         core::iter::once("&self".to_owned()).chain(own).chain(last).collect()
     }
 
     /// What the solutions are for.
-    fn purpose(&self) -> String {
+    pub(super) fn purpose(&self) -> String {
         match self.problem {
             Some(problem) if !self.suffix.is_empty() => {
                 format!("of the table's problem `{}`", clean(&problem.name))
@@ -42,8 +42,11 @@ impl Printer<'_> {
         for (function, problem) in self.inverse_functions() {
             let arguments = self.arguments(target_of(problem));
             let methods = Methods { function, problem, suffix: suffix(problem), arguments };
-            if let Some(count) = free_count(problem) {
+            if let Some(count) = free_count(function) {
                 self.geometric(text, &methods, "at", Some(count));
+                if let [joint] = function.free.as_slice() {
+                    self.redundant(text, &methods, *joint);
+                }
             } else {
                 self.geometric(text, &methods, "all", None);
                 self.allowed(text, &methods);
@@ -62,7 +65,7 @@ impl Printer<'_> {
             ),
             format!("{}.", arguments.meaning),
         ];
-        paragraphs.extend(problem.filter(|_| free.is_some()).map(|problem| self.free_joints(problem)));
+        paragraphs.extend(free.map(|_| self.free_joints(function)));
         paragraphs.extend(problem.and_then(conditions));
         if let Some(stages) = stages(function) {
             paragraphs.push("Solved one after the other:".to_owned());
@@ -77,14 +80,17 @@ impl Printer<'_> {
         text.gap();
         text.documentation(paragraphs);
         allow_case(text, suffix);
-        let last = free.map(|count| format!("free: &[{}; {count}]", self.scalar()));
+        let last = free.map(|count| {
+            let values = self.paths.runtime("FreeValues");
+            format!("free: impl {values}<{count}{}>", self.scalar_argument(", "))
+        });
         text.signature(
             &format!("pub fn ik_{name}{suffix}"),
             &methods.parameters(last),
             &self.inverse_result(),
         );
         let mut passed = vec![arguments.target.clone()];
-        passed.extend(free.map(|_| Expression::Atom("free".to_owned())));
+        passed.extend(free.map(|_| Expression::Atom("&free.values()".to_owned())));
         let call = Expression::Call(private_name(*problem), passed);
         text.laid_out(&statement(text.indent(), "", &call, ""));
         text.close("}");
@@ -140,13 +146,15 @@ impl Printer<'_> {
     }
 
     /// Which joints the caller gives.
-    fn free_joints(&self, problem: &Problem) -> String {
-        let rows = problem.free.iter().filter_map(|joint| self.model.joints.get(*joint));
-        let names: Vec<_> = rows
-            .filter_map(|row| self.model.rows.get(*row))
-            .map(|row| format!("{} ({})", clean(&row.name), row_unit(row)))
-            .collect();
-        format!("`free`: the values of {}.", names.join(", "))
+    fn free_joints(&self, function: &Function) -> String {
+        let names: Vec<_> = function.free.iter().map(|joint| self.joint_with_unit(*joint)).collect();
+        format!("`free`: the value{} of {}.", if names.len() == 1 { "" } else { "s" }, names.join(", "))
+    }
+
+    /// `J3 (rad)`
+    pub(super) fn joint_with_unit(&self, joint: usize) -> String {
+        let row = self.model.joints.get(joint).and_then(|row| self.model.rows.get(*row));
+        row.map_or_else(String::new, |row| format!("{} ({})", clean(&row.name), row_unit(row)))
     }
 
     /// `Result<Solutions<6>, IkError>`

@@ -3,6 +3,7 @@
 use super::Printer;
 use super::inverse::{free_count, private_name};
 use super::text::Text;
+use crate::model::Problem;
 use crate::plan::FunctionKind;
 
 impl Printer<'_> {
@@ -52,6 +53,7 @@ impl Printer<'_> {
             &format!("{copy_into}(&geometric_jacobian({joint_array}(q)?), out).map(|_| ())"),
         );
         self.ik_into(text);
+        self.redundant_kinematics(text);
         text.close("}");
     }
 
@@ -80,36 +82,43 @@ impl Printer<'_> {
         }
     }
 
+    /// `ik_into`; where joints are left to the caller, it sweeps over their values, and `ik_at_into` takes them.
     fn ik_into(&self, text: &mut Text) {
-        let set = self.runtime_type("SolutionSet");
-        let (target, error) = (self.runtime_type("Target"), self.runtime_type("IkError"));
-        let (result, ok, err) =
-            (self.paths.prelude("Result"), self.paths.prelude("Ok"), self.paths.prelude("Err"));
+        let (ok, err) = (self.paths.prelude("Ok"), self.paths.prelude("Err"));
         let unknown = format!("{}::UnknownProblem", self.paths.runtime("IkError"));
         let solved = self.inverse_functions().next().is_some();
-        let (problem, target_name) = if solved { ("problem", "target") } else { ("_problem", "_target") };
-        text.gap();
-        text.signature(
-            "fn ik_into",
-            &[
-                "&self".to_owned(),
-                format!("{problem}: &str"),
-                format!("{target_name}: &{target}"),
-                format!("out: &mut {set}"),
-            ],
-            &format!("{result}<(), {error}>"),
-        );
+        let redundant = self.inverse_functions().any(|(function, _)| free_count(function).is_some());
+        if redundant {
+            self.ik_into_signature(text, "ik_into", &["problem", "target", "out"]);
+            text.open(format!(
+                "if let {}(redundancy) = self.redundancy(problem) {{",
+                self.paths.prelude("Some")
+            ));
+            text.line("return redundancy.sweep_into(self, problem, target, out);");
+            text.close("}");
+            text.line("self.ik_at_into(problem, target, &[], out)");
+            text.close("}");
+            self.ik_into_signature(text, "ik_at_into", &["problem", "target", "free", "out"]);
+        } else {
+            let names = if solved { ["problem", "target", "out"] } else { ["_problem", "_target", "out"] };
+            self.ik_into_signature(text, "ik_into", &names);
+        }
         text.line("out.clear();");
         if solved {
             text.open("let solutions = match problem {");
-            for (_, problem) in self.inverse_functions() {
-                let name = problem
-                    .map_or_else(|| self.paths.runtime("FULL_POSE"), |problem| format!("{:?}", problem.name));
-                let solve = private_name(problem);
-                // The trait has no place for the values of free joints.
-                let none =
-                    free_count(problem).map(|_| format!(", {}(&[])?", self.paths.runtime("joint_array")));
-                text.line(format!("{name} => {solve}(target{})?,", none.unwrap_or_default()));
+            for (function, problem) in self.inverse_functions() {
+                let (name, solve) = (self.problem_name(problem), private_name(problem));
+                if free_count(function).is_some() {
+                    let array = self.paths.runtime("joint_array");
+                    text.line(format!("{name} => {solve}(target, {array}(free)?)?,"));
+                } else if redundant {
+                    text.open(format!("{name} => {{"));
+                    text.line(format!("{}::check(0, free.len())?;", self.paths.runtime("LengthError")));
+                    text.line(format!("{solve}(target)?"));
+                    text.close("}");
+                } else {
+                    text.line(format!("{name} => {solve}(target)?,"));
+                }
             }
             text.line(format!("_ => return {err}({unknown}),"));
             text.close("};");
@@ -119,6 +128,25 @@ impl Printer<'_> {
             text.line(format!("{err}({unknown})"));
         }
         text.close("}");
+    }
+
+    fn ik_into_signature(&self, text: &mut Text, name: &str, parameters: &[&str]) {
+        let (target, set) = (self.runtime_type("Target"), self.runtime_type("SolutionSet"));
+        let typed = parameters.iter().map(|parameter| match parameter.trim_start_matches('_') {
+            "problem" => format!("{parameter}: &str"),
+            "target" => format!("{parameter}: &{target}"),
+            "free" => format!("{parameter}: &[{}]", self.scalar()),
+            _ => format!("{parameter}: &mut {set}"),
+        });
+        let all: Vec<String> = core::iter::once("&self".to_owned()).chain(typed).collect();
+        let result = format!("{}<(), {}>", self.paths.prelude("Result"), self.runtime_type("IkError"));
+        text.gap();
+        text.signature(&format!("fn {name}"), &all, &result);
+    }
+
+    /// The name of a problem as a pattern.
+    pub(super) fn problem_name(&self, problem: Option<&Problem>) -> String {
+        problem.map_or_else(|| self.paths.runtime("FULL_POSE"), |problem| format!("{:?}", problem.name))
     }
 
     /// Whether the plan has what the trait needs.

@@ -160,7 +160,10 @@ pub(super) fn statement(indent: usize, head: &str, expression: &Expression, tail
         let below = expression.lines(indent + TAB, indent + TAB, tail.len());
         let own = matches!(expression, Expression::Binary(..) | Expression::Neg(_) | Expression::Atom(_));
         let fits = indent + TAB + below.len() + tail.len() <= WIDTH;
-        if own && (fits && !below.contains('\n') || beside.lines().count() > below.lines().count() + 1) {
+        let call = matches!(expression, Expression::Call(..)) && fits && !below.contains('\n');
+        if call
+            || own && (fits && !below.contains('\n') || beside.lines().count() > below.lines().count() + 1)
+        {
             return format!("{margin}{head}\n{}{below}{tail}", " ".repeat(indent + TAB));
         }
     }

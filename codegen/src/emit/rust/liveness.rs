@@ -50,6 +50,10 @@ impl Live {
                         self.mark(scalar);
                     }
                 }
+                Step::General { given, body, .. } => {
+                    self.mark_steps(body);
+                    given.iter().for_each(|scalar| self.mark(scalar));
+                }
                 Step::Accept { q, tool, .. } => q.iter().chain(tool).for_each(|scalar| self.mark(scalar)),
             }
         }

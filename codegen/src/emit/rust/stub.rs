@@ -136,6 +136,7 @@ fn hollow_plan(model: &Model) -> Plan {
     let function = |kind: FunctionKind, inputs: Vec<String>, outputs: usize| Function {
         kind,
         inputs: inputs.len(),
+        free: Vec::new(),
         values: inputs,
         steps: Vec::new(),
         outputs: vec![Scalar::Number(0.0); outputs],

@@ -121,13 +121,13 @@ impl Printer<'_> {
         let inverse: Vec<_> = self.inverse_functions().collect();
         let ty = format!("[{info}<'static>; {}]", inverse.len());
         self.table(text, "PROBLEMS", &ty, "The inverse problems that are solved.", |_| {
-            let problems = inverse.iter().map(|(_, problem)| {
+            let problems = inverse.iter().map(|(function, problem)| {
                 let kind = self.paths.runtime("TargetKind");
-                let (name, target, free): (_, _, &[usize]) = match problem {
-                    Some(problem) => (format!("{:?}", problem.name), problem.target, &problem.free),
-                    None => (self.paths.runtime("FULL_POSE"), Target::Pose, &[]),
+                let (name, target) = match problem {
+                    Some(problem) => (format!("{:?}", problem.name), problem.target),
+                    None => (self.paths.runtime("FULL_POSE"), Target::Pose),
                 };
-                let free: Vec<_> = free.iter().map(ToString::to_string).collect();
+                let free: Vec<_> = function.free.iter().map(ToString::to_string).collect();
                 format!("{info} {{ name: {name}, target: {kind}::{target:?}, free: &[{}] }}", free.join(", "))
             });
             list(problems, "[", "]")

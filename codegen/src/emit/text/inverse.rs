@@ -106,6 +106,17 @@ impl Derivation<'_, '_, '_> {
                     self.stage(*stage, *root, equation, &definitions);
                     self.steps(body);
                 }
+                Step::General { stage, body, .. } => {
+                    if let Some(stage) = self.function.stages.get(*stage) {
+                        self.text.gap();
+                        self.text.line(1, &format!("Step 1: all joints, by {}", stage.unknown));
+                        self.text.line(2, &stage.equation);
+                        self.text.line(2, &format!("({})", stage.origin));
+                        self.text
+                            .line(2, "up to 16 solutions; each is brought to the pose by Newton's method");
+                    }
+                    self.steps(body);
+                }
                 Step::Accept { q, .. } => self.joints(q),
             }
         }

@@ -4,10 +4,11 @@ use super::routine::Routine;
 use super::run::{self, Registers};
 use super::trace::Event;
 use super::{PlanError, Program, robot};
+use crate::model::Problem;
 use crate::plan::{Function, FunctionKind};
 use dh_core::{
-    Bound, FULL_POSE, Float, Frame, IkError, Joint, KeepOut, Kinematics, LengthError, ProblemInfo, Rules,
-    SolutionSet, SumLimit, Target, TargetKind, Winding,
+    Bound, FULL_POSE, Float, Frame, IkError, Joint, KeepOut, Kinematics, LengthError, ProblemInfo,
+    Redundancy, Rules, SolutionSet, SumLimit, Target, TargetKind, Winding,
 };
 
 /// An arm of a table read at run time: [`Kinematics`] by running a [`Program`], and traces of such runs.
@@ -56,9 +57,9 @@ impl<'p, S: Float> Interpreter<'p, S> {
                 Some(problem) => ProblemInfo {
                     name: &problem.name,
                     target: robot::target_kind(problem.target),
-                    free: &problem.free,
+                    free: &function.free,
                 },
-                None => ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
+                None => ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &function.free },
             });
             indices.push(index);
         }
@@ -192,6 +193,28 @@ impl<S: Float> Kinematics<S> for Interpreter<'_, S> {
     }
 
     fn ik_into(&self, problem: &str, target: &Target<S>, out: &mut SolutionSet<S>) -> Result<(), IkError<S>> {
-        self.trace_ik(problem, target, &[], out, |_| ())
+        match self.redundancy(problem) {
+            Some(redundancy) => redundancy.sweep_into(self, problem, target, out),
+            None => self.trace_ik(problem, target, &[], out, |_| ()),
+        }
+    }
+
+    fn ik_at_into(
+        &self,
+        problem: &str,
+        target: &Target<S>,
+        free: &[S],
+        out: &mut SolutionSet<S>,
+    ) -> Result<(), IkError<S>> {
+        self.trace_ik(problem, target, free, out, |_| ())
+    }
+
+    fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, S>> {
+        let place = self.problems.iter().position(|info| info.name == problem)?;
+        let [joint] = self.problems.get(place)?.free else { return None };
+        let reach = S::from_f64(self.program.model.reach());
+        let problem = self.indices.get(place)?.and_then(|index| self.program.model.problems.get(index));
+        let whole_pose = problem.is_none_or(Problem::is_whole_pose);
+        Some(Redundancy { joint: *joint, rules: self.rules(), reach, whole_pose })
     }
 }

@@ -1,7 +1,7 @@
 //! Steps and scalars of a plan as instructions over registers, each reference checked.
 
 use super::error::PlanError;
-use super::routine::{Instruction, Kernel, Register, Solve};
+use super::routine::{General, Instruction, Kernel, Register, Solve};
 use crate::plan::{Equation, Function, FunctionKind, Plan, Scalar, Step, ValueId};
 use dh_core::Float;
 
@@ -65,6 +65,20 @@ impl<S: Float> Lowering<'_, S> {
                 self.defined = outside;
                 let solve = Solve { stage: *stage, root: root_slot, angle, sin_cos, equation, body };
                 code.push(Instruction::Solve(Box::new(solve)));
+            }
+            Step::General { stage, chain, given, roots, body } => {
+                self.inverse_only()?;
+                if *stage >= self.function.stages.len() || depth >= MAX_DEPTH {
+                    return Err(PlanError::Stage { index: *stage });
+                }
+                let given = given.iter().map(|x| self.scalar(x, code)).collect::<Result<_, _>>()?;
+                let slots = roots.iter().map(|root| self.slot(*root)).collect::<Result<_, _>>()?;
+                let outside = self.defined.clone();
+                roots.iter().for_each(|root| self.define(*root));
+                let body = self.steps(body, depth + 1)?;
+                self.defined = outside;
+                let general = General { stage: *stage, chain: chain.clone(), given, roots: slots, body };
+                code.push(Instruction::General(Box::new(general)));
             }
             Step::Accept { q, tool, polish } => {
                 self.inverse_only()?;

@@ -6,7 +6,7 @@
 use super::error::PlanError;
 use super::lowering::Lowering;
 use crate::model::{JointKind, Model, Target};
-use crate::plan::{Function, FunctionKind, Measure, Plan, Stage, target_inputs};
+use crate::plan::{Function, FunctionKind, GeneralChain, Measure, Plan, Stage, target_inputs};
 use dh_core::Float;
 
 /// Number of a register.
@@ -51,6 +51,7 @@ pub(super) enum Instruction {
     /// A named value is complete; for traces only.
     Named(Register),
     Solve(Box<Solve>),
+    General(Box<General>),
     /// A candidate: the registers of q, and of the tool frame where there are any.
     Accept {
         q: Vec<Register>,
@@ -68,6 +69,16 @@ pub(super) struct Solve {
     pub(super) angle: bool,
     pub(super) sin_cos: Option<[Register; 2]>,
     pub(super) equation: Kernel,
+    pub(super) body: Vec<Instruction>,
+}
+
+/// For every solution of a chain of six joints: the instructions of `body`.
+#[derive(Debug, Clone)]
+pub(super) struct General {
+    pub(super) stage: usize,
+    pub(super) chain: GeneralChain,
+    pub(super) given: Vec<Register>,
+    pub(super) roots: Vec<Register>,
     pub(super) body: Vec<Instruction>,
 }
 
@@ -96,7 +107,7 @@ pub(super) struct Routine<S> {
 impl<S: Float> Routine<S> {
     /// Checks and lowers one function of a plan.
     pub(super) fn lower(model: &Model, plan: &Plan, function: &Function) -> Result<Self, PlanError> {
-        let shape = Shape::of(model, &function.kind)?;
+        let shape = Shape::of(model, &function.kind, &function.free)?;
         shape.check(function)?;
         let mut lowering = Lowering {
             plan,
@@ -120,7 +131,7 @@ struct Shape {
 }
 
 impl Shape {
-    fn of(model: &Model, kind: &FunctionKind) -> Result<Self, PlanError> {
+    fn of(model: &Model, kind: &FunctionKind, free: &[usize]) -> Result<Self, PlanError> {
         let joints = model.joints.len();
         let forward = |outputs| Shape { inputs: joints, outputs };
         Ok(match kind {
@@ -128,10 +139,14 @@ impl Shape {
             FunctionKind::Jacobian => forward(6 * joints),
             FunctionKind::FkJacobian => forward(12 + 6 * joints),
             FunctionKind::Frames => forward(12 * (model.rows.len() + 1)),
-            FunctionKind::Inverse(None) => Shape { inputs: target_inputs(Target::Pose).len(), outputs: 0 },
-            FunctionKind::Inverse(Some(index)) => {
-                let problem = model.problems.get(*index).ok_or(PlanError::Problem { index: *index })?;
-                Shape { inputs: target_inputs(problem.target).len() + problem.free.len(), outputs: 0 }
+            FunctionKind::Inverse(problem) => {
+                let target = match problem {
+                    None => Target::Pose,
+                    Some(index) => {
+                        model.problems.get(*index).ok_or(PlanError::Problem { index: *index })?.target
+                    }
+                };
+                Shape { inputs: target_inputs(target).len() + free.len(), outputs: 0 }
             }
         })
     }

@@ -1,7 +1,7 @@
 //! Running a lowered function.
 
 use super::filter::Filter;
-use super::routine::{Instruction, Kernel, Register, Routine, Solve};
+use super::routine::{General, Instruction, Kernel, Register, Routine, Solve};
 use super::trace::Event;
 use crate::plan::Function;
 use dh_core::{Condition, Float, Frame, MAX_JOINTS, Roots, Search, Target, residual_tolerance};
@@ -44,7 +44,10 @@ impl<S: Float> Registers<S> {
                 self.set(sin, s);
                 self.set(cos, c);
             }
-            Instruction::Named(_) | Instruction::Solve(_) | Instruction::Accept { .. } => {}
+            Instruction::Named(_)
+            | Instruction::Solve(_)
+            | Instruction::General(_)
+            | Instruction::Accept { .. } => {}
         }
     }
 }
@@ -115,6 +118,7 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
                     named(self.names, *register, registers, &mut self.observer);
                 }
                 Instruction::Solve(solve) => self.solve(solve, registers),
+                Instruction::General(general) => self.general(general, registers),
                 Instruction::Accept { q, tool, polish } => self.accept(q, tool, *polish, registers),
                 other => registers.compute(other),
             }
@@ -138,6 +142,26 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
             number += 1;
         }
         (self.observer)(Event::Done { stage: solve.stage });
+    }
+
+    fn general(&mut self, general: &General, registers: &mut Registers<S>) {
+        let (Some(step), Some(stage)) =
+            (self.routine.stages.get(general.stage), self.names.stages.get(general.stage))
+        else {
+            return;
+        };
+        let given: Vec<S> = general.given.iter().map(|register| registers.get(*register)).collect();
+        let candidates = self.search.general(*step, &general.chain.arm(), self.target, &given);
+        (self.observer)(Event::Stage { index: general.stage, stage, roots: candidates.as_slice().len() });
+        for (number, values) in candidates.into_iter().enumerate() {
+            for (root, value) in general.roots.iter().zip(values) {
+                registers.set(*root, value);
+                let name = self.names.values.get(*root).map_or("", String::as_str);
+                (self.observer)(Event::Root { stage: general.stage, number, name, value });
+            }
+            self.block(&general.body, registers);
+        }
+        (self.observer)(Event::Done { stage: general.stage });
     }
 
     /// The next root, in its registers.

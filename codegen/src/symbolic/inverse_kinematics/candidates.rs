@@ -70,16 +70,20 @@ pub(super) fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>,
             }
         }
     }
-    // Rows of different vectors make pairs only where no vector gives two.
-    if !found.iter().any(|found| matches!(found.equation, Solved::Pair(..))) {
-        for (index, first) in lone.iter().enumerate() {
-            for second in lone.iter().skip(index + 1).filter(|second| second.group != first.group) {
-                if let Simple::Trig { frequency, .. } = &first.simple
-                    && let Some(unknown) = angle(frequency)
-                {
-                    found.extend(pair(arena, state, &unknown, first, second)?);
-                }
-            }
+    // Rows of different vectors make pairs only of what no vector has a sound pair of.
+    for (index, first) in lone.iter().enumerate() {
+        let Simple::Trig { frequency, .. } = &first.simple else { continue };
+        let Some(unknown) = angle(frequency) else { continue };
+        let sound = |found: &Found| {
+            found.unknown == unknown
+                && found.class != Class::Unsound
+                && matches!(found.equation, Solved::Pair(..))
+        };
+        if found.iter().any(sound) {
+            continue;
+        }
+        for second in lone.iter().skip(index + 1).filter(|second| second.group != first.group) {
+            found.extend(pair(arena, state, &unknown, first, second)?);
         }
     }
     Ok(found)

@@ -5,16 +5,74 @@
 //! equal, row by row, whatever frame they are written in; which frame is simplest differs from arm to arm.
 
 use super::atoms::{AngleData, Atoms};
-pub(super) use super::equation::{Equation, Origin};
 use super::polynomial::{Overflow, Polynomial};
-use super::unknowns::Unknowns;
+use super::tracked::{Seen, Tracked};
+use super::unknowns::{Free, Unknowns};
 use super::walk::{Step, Vector, Walker};
-use crate::model::chain::Element;
 use crate::model::{JointKind, Model, Target};
 use crate::symbolic::expression::{Arena, Expr, Leaf};
 use crate::symbolic::number::Number;
-use crate::symbolic::transform::{Mat3, Rigid};
-use crate::symbolic::{chain, transform};
+use std::fmt;
+
+/// polynomial = 0, and where it comes from.
+#[derive(Debug, Clone)]
+pub(super) struct Equation {
+    pub polynomial: Polynomial,
+    /// Frame and tracked quantity; rows of one group are coordinates of one vector.
+    pub group: usize,
+    /// Where it comes from.
+    pub origin: Origin,
+    /// What its known part is called: `y1`.
+    pub name: String,
+}
+
+/// Where an equation comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Origin {
+    /// Whether it is a sum of squares.
+    pub squares: bool,
+    /// Rows of a vector (1-based); none where `of` says it all.
+    pub rows: Vec<usize>,
+    /// "the position in frame 1"
+    pub of: String,
+    /// A second equation beside it, of another vector.
+    pub and: Option<Box<Origin>>,
+}
+
+impl Origin {
+    fn whole(of: String) -> Self {
+        Self { squares: false, rows: Vec::new(), of, and: None }
+    }
+
+    /// Of two equations together.
+    pub(super) fn with(&self, other: &Self) -> Self {
+        if self.of == other.of && self.squares == other.squares && !self.rows.is_empty() {
+            let rows = [self.rows.as_slice(), &other.rows].concat();
+            return Self { rows, ..self.clone() };
+        }
+        Self { and: Some(Box::new(other.clone())), ..self.clone() }
+    }
+}
+
+/// "squares of rows 1 and 2 of the position in frame 1"
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.squares {
+            f.write_str("squares of ")?;
+        }
+        match self.rows.as_slice() {
+            [] => {}
+            [row] => write!(f, "row {row} of ")?,
+            [first, second] => write!(f, "rows {first} and {second} of ")?,
+            _ => f.write_str("all rows of ")?,
+        }
+        f.write_str(&self.of)?;
+        match &self.and {
+            Some(other) => write!(f, "; {other}"),
+            None => Ok(()),
+        }
+    }
+}
 
 /// Why no equations could be written.
 #[derive(Debug, Clone, Copy)]
@@ -28,36 +86,6 @@ pub(super) enum Trouble {
 impl From<Overflow> for Trouble {
     fn from(_: Overflow) -> Self {
         Self::Overflow
-    }
-}
-
-/// The end from which the chain is walked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Seen {
-    FromBase,
-    /// The base is what moves then: an arm with its spherical joint next to the base is one with a spherical wrist.
-    FromTool,
-}
-
-/// Something prescribed that moves with the tool.
-struct Tracked {
-    what: &'static str,
-    letter: &'static str,
-    /// A point, or a direction.
-    point: bool,
-    /// In the frame before the first joint's fixed transform (`after_base` false) or behind it.
-    target: Vector,
-    after_base: bool,
-    /// In the frame behind the last link (`whole` true) or before it.
-    tip: Vector,
-    whole: bool,
-}
-
-impl Tracked {
-    /// `y1` is the second coordinate of the point in frame 1, less what is known of it on the other side.
-    fn row_name(&self, row: usize, frame: usize) -> String {
-        let axis = ["x", "y", "z"].get(row).copied().unwrap_or("w");
-        if self.point { format!("{axis}{frame}") } else { format!("{}{axis}{frame}", self.letter) }
     }
 }
 
@@ -75,17 +103,18 @@ pub(super) fn build(
     unknowns: &Unknowns,
     seen: Seen,
 ) -> Result<Closure, Trouble> {
-    let plain = match seen {
-        Seen::FromBase => model.chain(),
-        Seen::FromTool => model.chain().reversed(),
-    };
+    let plain = model.chain();
     let mut walker = Walker { arena, model, unknowns, atoms: Atoms::default() };
     walker.angles(&plain);
     let inputs: Vec<Expr> =
         target.input_names().iter().map(|name| walker.arena.leaf(name, Leaf::Known)).collect();
     let mut equations = Vec::new();
     let mut group = 0;
-    for tracked in walker.tracked(&plain, target, &inputs, seen)? {
+    let tracked = match seen {
+        Seen::FromBase => walker.tracked(&plain, target, &inputs)?,
+        Seen::FromTool => walker.tracked_base(&plain, target, &inputs)?,
+    };
+    for tracked in tracked {
         walker.track(&plain, &tracked, &mut group, &mut equations)?;
     }
     if let Some((cos, sin)) = yaw_inputs(target, &inputs) {
@@ -102,176 +131,6 @@ fn yaw_inputs(target: Target, inputs: &[Expr]) -> Option<(Expr, Expr)> {
 }
 
 impl Walker<'_> {
-    fn tracked(
-        &mut self,
-        plain: &crate::model::Chain,
-        target: Target,
-        inputs: &[Expr],
-        seen: Seen,
-    ) -> Result<Vec<Tracked>, Trouble> {
-        let size = self.size();
-        let (zero, one) = (Polynomial::zero(), Polynomial::number(size, Number::ONE));
-        let origin = [zero.clone(), zero.clone(), zero.clone()];
-        let base = plain.links.first().map_or(&[][..], |link| &link.elements);
-        match (target, inputs) {
-            (Target::Pose, _) => {}
-            _ if seen == Seen::FromTool => return Err(Trouble::Target),
-            _ => {}
-        }
-        match (target, inputs) {
-            (Target::Position | Target::PositionYaw, [x, y, z, ..]) => {
-                let frame = chain::rigid(self.arena, base);
-                let moved = transform::sub(self.arena, [*x, *y, *z], frame.translation);
-                let target = self.behind_base(&frame.rotation, moved, ["px", "py", "pz"], 1)?;
-                Ok(vec![Tracked {
-                    what: "position",
-                    letter: "",
-                    point: true,
-                    target,
-                    after_base: true,
-                    tip: origin,
-                    whole: true,
-                }])
-            }
-            (Target::Xy | Target::XyYaw, [x, y, ..]) => {
-                let [_, _, height] = self.tip_in_base(plain, origin.clone(), true)?;
-                let target = [self.known("px", *x, 1)?, self.known("py", *y, 1)?, height];
-                Ok(vec![Tracked {
-                    what: "position",
-                    letter: "",
-                    point: true,
-                    target,
-                    after_base: false,
-                    tip: origin,
-                    whole: true,
-                }])
-            }
-            (Target::Direction, [x, y, z]) => {
-                let frame = chain::rigid(self.arena, base);
-                let target = self.behind_base(&frame.rotation, [*x, *y, *z], ["zx", "zy", "zz"], 0)?;
-                let tip = [zero.clone(), zero, one];
-                Ok(vec![Tracked {
-                    what: "direction",
-                    letter: "z",
-                    point: false,
-                    target,
-                    after_base: true,
-                    tip,
-                    whole: true,
-                }])
-            }
-            (Target::Rotation, [a, b, c, d, e, f, g, h, i]) => {
-                let tool = self.behind_last_joint(plain);
-                Ok(self.axes(base, &tool, [[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]])?)
-            }
-            (Target::Pose, [a, b, c, x, d, e, f, y, g, h, i, z]) => {
-                let tool = self.behind_last_joint(plain);
-                let (rotation, [x, y, z]) =
-                    self.seen(seen, [[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]], [*x, *y, *z]);
-                let mut found = self.axes(base, &tool, rotation)?;
-                // A point on the last axis, t from the tool's: p - R tool^T t.
-                let (along, tip) = self.foot_on_last_axis(plain)?;
-                let [tx, ty, tz] = tool.translation;
-                let t = [tx, ty, self.arena.add(tz, along)];
-                let back = transform::apply(self.arena, &transform::transpose(&tool.rotation), t);
-                let arm = transform::apply(self.arena, &rotation, back);
-                let frame = chain::rigid(self.arena, base);
-                let origin_of_last = transform::sub(self.arena, [x, y, z], arm);
-                let moved = transform::sub(self.arena, origin_of_last, frame.translation);
-                let target = self.behind_base(&frame.rotation, moved, ["px", "py", "pz"], 1)?;
-                found.push(Tracked {
-                    what: "position",
-                    letter: "",
-                    point: true,
-                    target,
-                    after_base: true,
-                    tip: [zero.clone(), zero, tip],
-                    whole: false,
-                });
-                for tracked in found.iter_mut().filter(|_| seen == Seen::FromTool) {
-                    tracked.what = match tracked.what {
-                        "x axis" => "base's x axis",
-                        "y axis" => "base's y axis",
-                        "z axis" => "base's z axis",
-                        _ => "base",
-                    };
-                }
-                Ok(found)
-            }
-            _ => Err(Trouble::Target),
-        }
-    }
-
-    /// How far the origin of the last joint's frame is beyond the last step before it that isn't along its axis: where that
-    /// axis meets the one before, if they meet. As a length, and as the coordinate of that place.
-    fn foot_on_last_axis(&mut self, plain: &crate::model::Chain) -> Result<(Expr, Polynomial), Overflow> {
-        let (mut along, mut coordinate) = (self.arena.zero(), Polynomial::zero());
-        let before = plain.links.len().checked_sub(2).filter(|index| *index > 0);
-        let elements = before.and_then(|index| plain.links.get(index)).map_or(&[][..], |link| &link.elements);
-        for element in elements.iter().rev() {
-            let Element::Translate { axis: 2, value, name, note } = element else { break };
-            let length = self.arena.parameter(name, *value, 1, note);
-            along = self.arena.add(along, length);
-            coordinate = coordinate.sub(&self.parameter(name, *value, note, 1))?;
-        }
-        Ok((along, coordinate))
-    }
-
-    /// The tool in the base frame, or the base in the tool frame.
-    fn seen(&mut self, seen: Seen, rotation: Mat3, position: transform::Vec3) -> (Mat3, transform::Vec3) {
-        match seen {
-            Seen::FromBase => (rotation, position),
-            Seen::FromTool => {
-                let back = transform::transpose(&rotation);
-                let position = transform::apply(self.arena, &back, position);
-                (back, position.map(|x| self.arena.neg(x)))
-            }
-        }
-    }
-
-    /// What is behind the last joint.
-    fn behind_last_joint(&mut self, plain: &crate::model::Chain) -> Rigid {
-        match plain.links.as_slice() {
-            [_, .., last] => chain::rigid(self.arena, &last.elements),
-            _ => transform::identity(self.arena),
-        }
-    }
-
-    /// The axes of the last joint's frame. R' = base^T R tool^T, so that neither mixes rows or columns.
-    fn axes(&mut self, base: &[Element], tool: &Rigid, rotation: Mat3) -> Result<Vec<Tracked>, Overflow> {
-        let (zero, one) = (Polynomial::zero(), Polynomial::number(self.size(), Number::ONE));
-        let turned = transform::product(self.arena, &rotation, &transform::transpose(&tool.rotation));
-        let frame = chain::rigid(self.arena, base);
-        let mut found = Vec::new();
-        let columns = transform::transpose(&turned).into_iter().zip(["x", "y", "z"]);
-        for (index, (column, letter)) in columns.enumerate() {
-            let names = [1, 2, 3].map(|row| format!("r{row}{}", index + 1));
-            let [x, y, z] = &names;
-            let target = self.behind_base(&frame.rotation, column, [x, y, z], 0)?;
-            let mut tip = [zero.clone(), zero.clone(), zero.clone()];
-            if let Some(entry) = tip.get_mut(index) {
-                *entry = one.clone();
-            }
-            let what = ["x axis", "y axis", "z axis"].get(index).copied().unwrap_or("axis");
-            found.push(Tracked { what, letter, point: false, target, after_base: true, tip, whole: false });
-        }
-        Ok(found)
-    }
-
-    /// A known vector of the base frame, turned into the frame behind the base's fixed transform.
-    fn behind_base(
-        &mut self,
-        rotation: &transform::Mat3,
-        v: transform::Vec3,
-        names: [&str; 3],
-        dimension: u8,
-    ) -> Result<Vector, Overflow> {
-        let turned = transform::apply(self.arena, &transform::transpose(rotation), v);
-        let [x, y, z] = turned;
-        let [nx, ny, nz] = names.map(|name| format!("{name}0"));
-        Ok([self.known(&nx, x, dimension)?, self.known(&ny, y, dimension)?, self.known(&nz, z, dimension)?])
-    }
-
     /// Equations of one tracked vector in the frame before every joint.
     fn track(
         &mut self,
@@ -420,11 +279,13 @@ impl Closure {
     /// Everything that has to be found.
     pub(super) fn open(&self, unknowns: &Unknowns) -> super::reading::Open {
         let angles = self.atoms.angles.iter().enumerate();
-        let angles = angles.filter(|(_, angle)| matches!(angle, AngleData::Free(_)));
+        let unknown = |index: usize| unknowns.free.get(index).is_some_and(|free| free.given.is_none());
+        let angles = angles.filter(|(_, angle)| matches!(angle, AngleData::Free(index) if unknown(*index)));
         let slides = (0..self.atoms.list.len()).map(|index| index as super::polynomial::Atom);
         // A slide that no equation contains stays open, and the problem unsolved.
-        let absent = unknowns.free.iter().filter(|free| free.kind == JointKind::Prismatic).count();
-        let mut slides: Vec<_> = slides.filter(|atom| self.atoms.slide(*atom).is_some()).collect();
+        let slide = |free: &&Free| free.kind == JointKind::Prismatic && free.given.is_none();
+        let absent = unknowns.free.iter().filter(slide).count();
+        let mut slides: Vec<_> = slides.filter(|atom| self.atoms.slide(*atom).is_some_and(unknown)).collect();
         while slides.len() < absent {
             slides.push(super::polynomial::Atom::MAX);
         }

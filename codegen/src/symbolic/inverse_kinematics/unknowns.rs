@@ -1,10 +1,10 @@
 //! What is left to find once the constraints are put into the chain.
 //!
 //! The value of every row (theta or d) becomes a linear form in as few of them as the constraints and couplings leave
-//! free. Angles stay whole multiples of the free ones, so that sums of them are frequencies of a trigonometric
-//! polynomial.
+//! free, and in those of the joints that the caller gives. Angles stay whole multiples of these, so that sums of them
+//! are frequencies of a trigonometric polynomial.
 
-use crate::model::{Angle, JointKind, Linear, Model};
+use crate::model::{Angle, JointKind, Linear, Model, Row};
 
 /// A constant of an elimination: an exact part in units of 15 degrees, and a rest in rad or m.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -56,17 +56,46 @@ pub(super) struct Free {
     pub row: usize,
     /// An angle or a length.
     pub kind: JointKind,
+    /// Where the caller gives it.
+    pub given: Option<Given>,
+}
+
+/// A joint that the caller gives. Its variable is what the joint adds to its own row, with the row's value at zero:
+/// the row's theta or d, unless other joints are coupled to it too.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Given {
+    /// Its place among the values that the caller gives.
+    pub place: usize,
+    /// Index of q.
+    pub joint: usize,
+    /// variable = factor * q + at_zero
+    pub factor: f64,
+    /// rad or m
+    pub at_zero: Offset,
 }
 
 /// All rows in terms of the free ones.
 #[derive(Debug, Clone)]
 pub(super) struct Unknowns {
-    /// The free variables, base to tip.
+    /// The free variables, base to tip; those that are given last.
     pub free: Vec<Free>,
     /// theta (or d) of every row of the table.
     pub rows: Vec<Form>,
     /// Every joint variable.
     pub joints: Vec<Form>,
+}
+
+impl Unknowns {
+    /// A form's constant, with what the given variables are where their joints are at 0.
+    pub(super) fn constant(&self, form: &Form) -> Offset {
+        let given = self.free.iter().zip(&form.coefficients).filter_map(|(free, k)| Some((free.given?, *k)));
+        given.fold(form.offset, |sum, (given, k)| sum.add_scaled(given.at_zero, k))
+    }
+
+    /// What the caller gives.
+    pub(super) fn given(&self) -> impl Iterator<Item = (Free, Given)> {
+        self.free.iter().filter_map(|free| free.given.map(|given| (*free, given)))
+    }
 }
 
 /// Why the constraints can't be put into the chain.
@@ -81,17 +110,18 @@ pub(super) enum Trouble {
 /// Largest multiple by which a row may follow another.
 const LARGEST_MULTIPLE: f64 = 64.0;
 
-/// Eliminates what couplings and constraints determine.
-pub(super) fn eliminate(model: &Model, constraints: &[Linear]) -> Result<Unknowns, Trouble> {
-    let count = model.rows.len();
-    let joints = joints_by_rows(model);
+/// Eliminates what couplings and constraints determine, `given` being the joints (indices of q) that the caller gives.
+pub(super) fn eliminate(model: &Model, constraints: &[Linear], given: &[usize]) -> Result<Unknowns, Trouble> {
+    let rows = model.rows.len();
+    let given: Vec<Free> =
+        given.iter().enumerate().filter_map(|(place, joint)| Free::given(model, place, *joint)).collect();
+    // Columns: the rows' values, then the given variables.
+    let count = rows + given.len();
+    let joints = joints_by_rows(model, count);
     // Rows of sum = 0: coefficients of the rows' values, and the constant.
     let mut system: Vec<Form> = Vec::new();
     for (index, row) in model.rows.iter().enumerate().filter(|(_, row)| row.variable.is_none()) {
-        let mut form = Form { coefficients: vec![0.0; count], offset: Offset::new(row.theta) };
-        if row.kind == JointKind::Prismatic {
-            form.offset = Offset { fifteenths: 0.0, rest: row.d };
-        }
+        let mut form = Form { coefficients: vec![0.0; count], offset: at_zero(row) };
         for &(joint, factor) in &row.terms {
             if let Some(joint) = joints.get(joint) {
                 form = plus(&form, joint, factor);
@@ -114,12 +144,43 @@ pub(super) fn eliminate(model: &Model, constraints: &[Linear]) -> Result<Unknown
         }
         system.push(form);
     }
-    let solved = reduce(system, count);
-    in_free(model, &solved, &joints)
+    for (index, free) in given.iter().enumerate() {
+        // factor * q + value at zero - variable = 0, q by the rows' values.
+        let (Some(Given { joint, factor, at_zero, .. }), zero) = (free.given, unit(rows + index, count))
+        else {
+            continue;
+        };
+        let mut form = plus(&zero_like(&zero), &zero, -1.0);
+        form.offset = at_zero;
+        if let Some(joint) = joints.get(joint) {
+            form = plus(&form, joint, factor);
+        }
+        system.push(form);
+    }
+    let solved = reduce(system, rows);
+    in_free(model, &solved, &joints, given)
 }
 
-/// q of every joint in terms of the rows' values: the inverse of the coupling matrix.
-fn joints_by_rows(model: &Model) -> Vec<Form> {
+impl Free {
+    fn given(model: &Model, place: usize, joint: usize) -> Option<Self> {
+        let row = *model.joints.get(joint)?;
+        let data = model.rows.get(row)?;
+        let factor = data.terms.iter().find(|(index, _)| *index == joint).map_or(1.0, |(_, factor)| *factor);
+        let given = Given { place, joint, factor, at_zero: at_zero(data) };
+        Some(Self { row, kind: data.kind, given: Some(given) })
+    }
+}
+
+/// theta or d of a row where all joints are at 0.
+fn at_zero(row: &Row) -> Offset {
+    match row.kind {
+        JointKind::Revolute => Offset::new(row.theta),
+        JointKind::Prismatic => Offset { fifteenths: 0.0, rest: row.d },
+    }
+}
+
+/// q of every joint in terms of the rows' values, the first of `width` columns: the inverse of the coupling matrix.
+fn joints_by_rows(model: &Model, width: usize) -> Vec<Form> {
     let count = model.joints.len();
     // Rows of: sum of coupling * q - value + offset = 0, the unknowns being q first, then the values.
     let mut rows: Vec<(Vec<f64>, Form)> = Vec::new();
@@ -131,13 +192,9 @@ fn joints_by_rows(model: &Model) -> Vec<Form> {
                 *entry += factor;
             }
         }
-        let at_zero = match data.kind {
-            JointKind::Revolute => Offset::new(data.theta),
-            JointKind::Prismatic => Offset { fifteenths: 0.0, rest: data.d },
-        };
         let mut right = Form {
-            coefficients: vec![0.0; model.rows.len()],
-            offset: Offset::default().add_scaled(at_zero, -1.0),
+            coefficients: vec![0.0; width],
+            offset: Offset::default().add_scaled(at_zero(data), -1.0),
         };
         if let Some(entry) = right.coefficients.get_mut(row) {
             *entry = 1.0;
@@ -168,11 +225,11 @@ fn joints_by_rows(model: &Model) -> Vec<Form> {
     rows.into_iter().map(|(_, right)| right).collect()
 }
 
-/// Gauss-Jordan elimination; the result says each determined row's value in terms of the others.
-fn reduce(mut system: Vec<Form>, count: usize) -> Vec<Option<Form>> {
-    let mut solved: Vec<Option<Form>> = vec![None; count];
+/// Gauss-Jordan elimination; the result says each determined row's value in terms of the others and of what is given.
+fn reduce(mut system: Vec<Form>, rows: usize) -> Vec<Option<Form>> {
+    let mut solved: Vec<Option<Form>> = vec![None; rows];
     while let Some(form) = system.pop() {
-        let Some(pivot) = pivot(&form) else { continue };
+        let Some(pivot) = pivot(&form, rows) else { continue };
         let own = form.coefficients.get(pivot).copied().unwrap_or(1.0);
         let mut value = plus(&zero_like(&form), &form, -1.0 / own);
         if let Some(entry) = value.coefficients.get_mut(pivot) {
@@ -198,25 +255,29 @@ fn reduce(mut system: Vec<Form>, count: usize) -> Vec<Option<Form>> {
 
 /// The row to express by the others: the last one by which all coefficients are whole multiples, else the one with
 /// the greatest coefficient.
-fn pivot(form: &Form) -> Option<usize> {
-    let present = || form.coefficients.iter().enumerate().filter(|(_, x)| x.abs() > 1e-12);
-    let whole = |own: f64| present().all(|(_, x)| (x / own).fract() == 0.0);
+fn pivot(form: &Form, rows: usize) -> Option<usize> {
+    let columns = || form.coefficients.iter().enumerate().filter(|(_, x)| x.abs() > 1e-12);
+    let present = || columns().filter(|(index, _)| *index < rows);
+    let whole = |own: f64| columns().all(|(_, x)| (x / own).fract() == 0.0);
     let last = present().filter(|(_, own)| whole(**own)).map(|(index, _)| index).next_back();
     last.or_else(|| present().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map(|(index, _)| index))
 }
 
-fn in_free(model: &Model, solved: &[Option<Form>], joints: &[Form]) -> Result<Unknowns, Trouble> {
-    let free: Vec<Free> = model
-        .rows
-        .iter()
-        .enumerate()
-        .filter(|(row, _)| matches!(solved.get(*row), Some(None)))
-        .map(|(row, data)| Free { row, kind: data.kind })
-        .collect();
+fn in_free(
+    model: &Model,
+    solved: &[Option<Form>],
+    joints: &[Form],
+    given: Vec<Free>,
+) -> Result<Unknowns, Trouble> {
+    let width = model.rows.len() + given.len();
+    let unknown = model.rows.iter().enumerate().filter(|(row, _)| matches!(solved.get(*row), Some(None)));
+    let mut free: Vec<Free> = unknown.map(|(row, data)| Free { row, kind: data.kind, given: None }).collect();
+    let columns: Vec<usize> = free.iter().map(|free| free.row).chain(model.rows.len()..width).collect();
+    free.extend(given);
     let by_free = |form: &Form| Form {
-        coefficients: free
+        coefficients: columns
             .iter()
-            .map(|free| form.coefficients.get(free.row).copied().unwrap_or(0.0))
+            .map(|column| form.coefficients.get(*column).copied().unwrap_or(0.0))
             .collect(),
         offset: form.offset,
     };
@@ -224,7 +285,7 @@ fn in_free(model: &Model, solved: &[Option<Form>], joints: &[Form]) -> Result<Un
     for (index, data) in model.rows.iter().enumerate() {
         let form = match solved.get(index) {
             Some(Some(form)) => by_free(form),
-            _ => by_free(&unit(index, model.rows.len())),
+            _ => by_free(&unit(index, width)),
         };
         let mixed = form.coefficients.iter().zip(&free).any(|(x, free)| *x != 0.0 && free.kind != data.kind);
         if mixed {

@@ -3,7 +3,7 @@
 use super::atoms::{AngleData, Source};
 use super::polynomial::{Atom, Key, Polynomial};
 use super::search::{Found, Solved, State, Unknown};
-use super::unknowns::{self, Form, Unknowns};
+use super::unknowns::{self, Form, Given, Offset, Unknowns};
 use super::{Derivation, Linear, Stage, StageEquation, tool};
 use crate::model::{JointKind, Model, Problem};
 use crate::symbolic::angle::{AngleForm, Turn};
@@ -29,28 +29,47 @@ pub(super) fn write(
         end.found.iter().enumerate().map(|(index, found)| writer.stage(index, found)).collect();
     let free = writer.free_by_roots();
     let mut joints: Vec<Linear> = unknowns.joints.iter().map(|form| linear(form, &free)).collect();
+    let mut given = vec![String::new(); writer.given()];
+    for (free, Given { place, joint, .. }) in unknowns.given() {
+        // As it was given, to the bit.
+        if let (Some(own), Some(name)) = (joints.get_mut(joint), given.get_mut(place)) {
+            *own = Linear { terms: vec![(place, 1.0)], constant: 0.0 };
+            *name = format!("q{}", free.row + 1);
+        }
+    }
+    let by_rows = |variable: usize| match variable.checked_sub(given.len()) {
+        Some(stage) => stages.get(stage).map(|stage| stage.rows.clone()),
+        None => unknowns.given().find(|(_, given)| given.place == variable).map(|(free, _)| vec![free.row]),
+    };
     for joint in &mut joints {
-        joint.terms.sort_by_key(|(stage, _)| stages.get(*stage).map(|stage| stage.rows.clone()));
+        joint.terms.sort_by_key(|(variable, _)| by_rows(*variable));
     }
     let rows: Vec<Linear> = unknowns.rows.iter().map(|form| linear(form, &free)).collect();
     let mut arena = writer.arena;
     let tool = tool::entries(&mut arena, model, unknowns, &rows, &stages);
-    Derivation { arena, inputs, stages, joints, tool }
+    Derivation { arena, inputs, given, stages, joints, tool }
 }
 
-/// A form in the free variables, in terms of the roots.
-fn linear(form: &Form, free: &[Linear]) -> Linear {
+/// A free variable in terms of what is given and of the roots.
+struct ByRoots {
+    /// (variable, coefficient)
+    terms: Vec<(usize, f64)>,
+    constant: Offset,
+}
+
+/// A form in the free variables, in terms of what is given and of the roots.
+fn linear(form: &Form, free: &[ByRoots]) -> Linear {
     let width = free.iter().flat_map(|free| &free.terms).map(|term| term.0 + 1).max().unwrap_or(0);
     let as_forms: Vec<Form> = free
         .iter()
         .map(|free| {
             let mut coefficients = vec![0.0; width];
-            for &(stage, factor) in &free.terms {
-                if let Some(entry) = coefficients.get_mut(stage) {
+            for &(variable, factor) in &free.terms {
+                if let Some(entry) = coefficients.get_mut(variable) {
                     *entry += factor;
                 }
             }
-            Form { coefficients, offset: unknowns::Offset::default() }
+            Form { coefficients, offset: free.constant }
         })
         .collect();
     let combined = unknowns::combine(form, &as_forms);
@@ -96,7 +115,7 @@ impl Writer<'_> {
         let equation = self.equation(&found.equation);
         if kind == JointKind::Revolute {
             // Later steps, and the tool frame, speak of its sine and cosine.
-            let root = AngleForm { terms: vec![(index, 1.0)], turn: Turn::ZERO };
+            let root = AngleForm { terms: vec![(self.given() + index, 1.0)], turn: Turn::ZERO };
             self.arena.sin_cos(name.strip_prefix("theta").unwrap_or(&name), &root);
         }
         let (text, mut definitions) = self.text(&equation, &name);
@@ -197,11 +216,24 @@ impl Writer<'_> {
         sum
     }
 
-    /// Every free variable in terms of the roots.
-    fn free_by_roots(&self) -> Vec<Linear> {
-        let none = Linear { terms: Vec::new(), constant: 0.0 };
-        let mut free = vec![none; self.unknowns.free.len()];
+    /// How many joints are given: their variables come before the roots.
+    fn given(&self) -> usize {
+        self.unknowns.given().count()
+    }
+
+    /// Every free variable in terms of what is given and of the roots.
+    fn free_by_roots(&self) -> Vec<ByRoots> {
+        let mut free: Vec<ByRoots> = self
+            .unknowns
+            .free
+            .iter()
+            .map(|free| match free.given {
+                Some(given) => ByRoots { terms: vec![(given.place, given.factor)], constant: given.at_zero },
+                None => ByRoots { terms: Vec::new(), constant: Offset::default() },
+            })
+            .collect();
         for (stage, found) in self.end.found.iter().enumerate().rev() {
+            let stage = self.given() + stage;
             match &found.unknown {
                 Unknown::Slide(atom) => {
                     let place = self.end.atoms.slide(*atom).and_then(|index| free.get_mut(index));
@@ -240,7 +272,14 @@ impl Writer<'_> {
         };
         let expr = match &data.source {
             Source::Table(expr) | Source::Target(expr) => *expr,
-            Source::Slide(_) => self.arena.leaf(&data.name, Leaf::Known),
+            Source::Slide(index) => {
+                let given = self.unknowns.free.get(*index).and_then(|free| free.given);
+                let leaf = given.map_or(Leaf::Known, |given| Leaf::Slide {
+                    terms: vec![(given.place, given.factor)],
+                    constant: given.at_zero.value(),
+                });
+                self.arena.leaf(&data.name, leaf)
+            }
             Source::Abbreviation(definition) => {
                 let expr = self.expr(definition);
                 self.arena.label(expr, &data.name);
@@ -340,8 +379,22 @@ impl Writer<'_> {
                 );
             match (stage, self.end.atoms.angles.get(at)) {
                 (Some(stage), _) => {
-                    form =
-                        form.plus(&AngleForm { terms: vec![(stage, f64::from(*k))], turn: Turn::ZERO }, 1.0);
+                    let terms = vec![(self.given() + stage, f64::from(*k))];
+                    form = form.plus(&AngleForm { terms, turn: Turn::ZERO }, 1.0);
+                }
+                (None, Some(AngleData::Free(index))) => {
+                    let Some(given) = self.unknowns.free.get(*index).and_then(|free| free.given) else {
+                        continue;
+                    };
+                    let (fifteenths, rest) = given.at_zero.split();
+                    let turn = Turn {
+                        fifteenths: (fifteenths * i32::from(*k)).rem_euclid(24),
+                        rest: rest * f64::from(*k),
+                    };
+                    form = form.plus(
+                        &AngleForm { terms: vec![(given.place, f64::from(*k) * given.factor)], turn },
+                        1.0,
+                    );
                 }
                 (None, Some(AngleData::Constant { name, value })) => {
                     form.turn.rest += f64::from(*k) * value;

@@ -1,0 +1,133 @@
+//! `dhc sim`
+
+use crate::device;
+use crate::failure::{Failure, Refusal, Status};
+use crate::json::Json;
+use crate::robot::Robot;
+use dh_codegen::model;
+use dh_codegen::verify::Level;
+use dh_drivers::clock::RealClock;
+use dh_drivers::driver::{DeviceKind, DeviceSettings};
+use dh_drivers::dynamixel::control_table::{MODELS, Model};
+use dh_drivers::dynamixel::{ServoSpec, SimulatedBus};
+use dh_drivers::mycobot::{self, SimulatedMyCobot};
+use dh_drivers::simulate::{Line, SimulatedDevice, serve};
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A simulated device of a table, on a pseudo-terminal that any program can open as its serial port.
+///
+/// Prints {"port":".."} and runs until SIGINT or SIGTERM. The arm starts with all joints at 0, or as near to it as their
+/// limits let them be; servos with torque off, a myCobot holding. Where the system has no pseudo-terminals, the port is tcp:HOST:PORT.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES, after_long_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// A table file, or the name of a shipped table.
+    table: String,
+    /// A symbolic link to the port, to have a name that stays the same. Not for tcp.
+    #[arg(long, value_name = "PATH")]
+    link: Option<PathBuf>,
+    /// Motors that are K times as fast. Time-outs and delays stay as they are.
+    #[arg(long, value_name = "K", default_value_t = 1.0)]
+    time_scale: f64,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  dhc sim mycobot
+  dhc sim crane_x7 --link /tmp/crane_x7 --time-scale 10";
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, Failure> {
+    let scale = arguments.time_scale;
+    if !(scale.is_finite() && scale > 0.0) {
+        return Err(Failure::Usage(format!("--time-scale {scale} must be more than 0")));
+    }
+    let robot = Robot::load(&arguments.table, Level::Quick)?;
+    let settings = device::settings(&robot)?;
+    let program = robot.program()?;
+    let mut device: Box<dyn SimulatedDevice + '_> = match settings.kind {
+        DeviceKind::Dynamixel => Box::new(servos(&robot, settings)?.with_time_scale(scale)),
+        DeviceKind::Mycobot => {
+            let arm = program.interpreter().map_err(|error| robot.unusable(&error))?;
+            let model = mycobot::Model::of_baud(settings.baud).ok_or_else(|| {
+                let message = format!("no myCobot has a line of {} bits per second", settings.baud);
+                Refusal::new("device", message).help("baud = 1000000 is a Pi's, 115200 an M5's")
+            })?;
+            let simulated = SimulatedMyCobot::new(Box::new(arm), model)
+                .map_err(|error| Refusal::new("device", error.to_string()))?;
+            Box::new(simulated.with_time_scale(scale))
+        }
+    };
+    let stop = Arc::new(AtomicBool::new(false));
+    let told = Arc::clone(&stop);
+    ctrlc::set_handler(move || told.store(true, Ordering::Relaxed)).map_err(io::Error::other)?;
+    let mut line = open(arguments)?;
+    let name = line.name();
+    writeln!(out, "{}", Json::Object(vec![("port", name.as_str().into())]))?;
+    out.flush()?;
+    serve(device.as_mut(), line.as_mut(), &RealClock::new(), &stop)?;
+    Ok(Status::Done)
+}
+
+#[cfg(unix)]
+fn open(arguments: &Arguments) -> Result<Box<dyn Line>, Failure> {
+    let link = arguments.link.as_deref();
+    match dh_drivers::simulate::Pty::open(link) {
+        Ok(pty) => Ok(Box::new(pty)),
+        Err(error) => {
+            let link = link.map_or(String::new(), |link| format!(" with the link {}", link.display()));
+            Err(Refusal::new("port", format!("no pseudo-terminal{link}: {error}")).into())
+        }
+    }
+}
+
+#[cfg(not(unix))]
+fn open(arguments: &Arguments) -> Result<Box<dyn Line>, Failure> {
+    if arguments.link.is_some() {
+        return Err(Failure::Usage("--link needs a pseudo-terminal, which this system has not".to_owned()));
+    }
+    Ok(Box::new(dh_drivers::simulate::TcpLine::bind("127.0.0.1:0")?))
+}
+
+/// The servos of all joints, and those outside the chain.
+fn servos(robot: &Robot, settings: DeviceSettings) -> Result<SimulatedBus, Refusal> {
+    let model = robot.model();
+    let rows = model.joints.iter().filter_map(|row| model.rows.get(*row));
+    let joints = rows.filter_map(|row| {
+        let servo = row.servo.as_ref()?;
+        let at = row.limits.map_or(0.0, |limits| 0.0_f64.clamp(limits.min, limits.max));
+        Some((row.name.as_str(), servo, servo.scale * at + servo.zero))
+    });
+    let others = model.servos.iter().map(|named| (named.name.as_str(), &named.servo, named.servo.zero));
+    let specs: Vec<ServoSpec> = joints
+        .chain(others)
+        .map(|(name, servo, at)| spec(name, servo, at, settings))
+        .collect::<Result<_, _>>()?;
+    if specs.is_empty() {
+        return Err(Refusal::new("servo", "no joint has a servo: write servo = { id = ... } in its entry"));
+    }
+    Ok(SimulatedBus::new(specs))
+}
+
+fn spec(
+    name: &str,
+    servo: &model::Servo,
+    position: f64,
+    settings: DeviceSettings,
+) -> Result<ServoSpec, Refusal> {
+    let known = MODELS.map(|model| model.name).join(", ");
+    let refuse = |what: String, help: String| {
+        Err(Refusal::new("servo", format!("the servo of {name} {what}")).help(help))
+    };
+    let Some(id) = servo.id.and_then(|id| u8::try_from(id).ok()).filter(|id| *id <= 252) else {
+        return refuse("has no id from 0 to 252".to_owned(), "write servo = { id = 1, ... }".to_owned());
+    };
+    let named = servo.model.as_deref().unwrap_or_default();
+    let Some(model) = Model::by_name(named) else {
+        return refuse(format!("is a {named:?}"), format!("write model = one of {known}"));
+    };
+    Ok(ServoSpec { id, model, baud: settings.baud, position })
+}

@@ -1,0 +1,165 @@
+//! Functions for what has no closed form: one step that finds all joints at once.
+
+mod charts;
+
+use super::{Counts, Function, FunctionKind, Measure, Scalar, Stage, Step, ValueId, target_inputs};
+use crate::model::{Model, Problem};
+use crate::symbolic::inverse_kinematics::general::{self, General, GeneralJoint};
+use crate::symbolic::inverse_kinematics::{Linear, Refusal};
+use dh_core::{Chart, Frame};
+
+/// The chain of a [`Step::General`], as `dh_core::GeneralArm` takes it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GeneralChain {
+    /// Fixed transforms (m): before the first joint, between the joints, after the last.
+    pub links: Vec<Frame>,
+    /// Which joints slide.
+    pub prismatic: Vec<bool>,
+    /// Joints whose values the caller gives.
+    pub given: Vec<usize>,
+    /// Size of the arm (m).
+    pub reach: f64,
+    /// Choices of joints, the best first.
+    pub charts: Vec<Chart>,
+}
+
+impl GeneralChain {
+    /// As the numeric kernel takes it.
+    pub fn arm(&self) -> dh_core::GeneralArm<'_> {
+        dh_core::GeneralArm {
+            links: &self.links,
+            prismatic: &self.prismatic,
+            given: &self.given,
+            reach: self.reach,
+            charts: &self.charts,
+        }
+    }
+}
+
+/// The function of a problem (an index into `Model::problems`, or the full pose).
+///
+/// # Errors
+/// Why there is none.
+pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -> Result<Function, Refusal> {
+    let general = general::chain(model, problem)?;
+    let chain = chain(model, &general);
+    let charts = charts::choose(&chain);
+    let Some(best) = charts.first() else {
+        return Err(Refusal::NoClosedForm);
+    };
+    let stage = stage(&general, *best);
+    let mut values: Vec<String> = target_inputs(problem.target).iter().map(|&name| name.to_owned()).collect();
+    let first_given = values.len();
+    values.extend(problem.free.iter().map(|joint| {
+        let row = model.joints.get(*joint).copied().unwrap_or_default();
+        format!("q{}", row + 1)
+    }));
+    let inputs = values.len();
+    let mut behind = 0;
+    let mut roots = Vec::new();
+    let mut joints = Vec::new();
+    let mut given = Vec::new();
+    for joint in &general.joints {
+        if let Some(value) = &joint.given {
+            let value = sum(value, |place| Scalar::Value(ValueId(first_given + place)));
+            joints.push(value.clone());
+            given.push(value);
+        } else {
+            joints.push(Scalar::Value(ValueId(values.len())));
+            roots.push(ValueId(values.len()));
+            values.push(name(joint, &mut behind));
+        }
+    }
+    let q = general
+        .q
+        .iter()
+        .map(|form| sum(form, |place| joints.get(place).cloned().unwrap_or(Scalar::Number(0.0))));
+    let body = vec![Step::Accept { q: q.collect(), tool: Vec::new(), polish: false }];
+    let chain = GeneralChain { charts, ..chain };
+    Ok(Function {
+        kind: FunctionKind::Inverse(index),
+        values,
+        inputs,
+        free: problem.free.clone(),
+        steps: vec![Step::General { stage: 0, chain, given, roots, body }],
+        outputs: Vec::new(),
+        counts: Counts::default(),
+        stages: vec![stage],
+    })
+}
+
+fn chain(model: &Model, general: &General) -> GeneralChain {
+    let reach = model.reach();
+    let given = general.joints.iter().enumerate().filter(|(_, joint)| joint.given.is_some());
+    GeneralChain {
+        links: general.links.clone(),
+        prismatic: general.joints.iter().map(|joint| joint.prismatic).collect(),
+        given: given.map(|(place, _)| place).collect(),
+        reach: if reach > 0.0 { reach } else { 1.0 },
+        charts: Vec::new(),
+    }
+}
+
+/// `theta3`, `d3`; joints behind the tool are numbered by themselves.
+fn name(joint: &GeneralJoint, behind: &mut usize) -> String {
+    match joint.row {
+        Some(row) => format!("{}{}", if joint.prismatic { "d" } else { "theta" }, row + 1),
+        None => {
+            *behind += 1;
+            format!("tool{behind}")
+        }
+    }
+}
+
+fn sum(form: &Linear, value: impl Fn(usize) -> Scalar) -> Scalar {
+    let mut sum: Option<Scalar> = None;
+    for &(place, factor) in &form.terms {
+        let (size, negative) = (factor.abs(), factor < 0.0);
+        let term = if size == 1.0 {
+            value(place)
+        } else {
+            Scalar::Mul(Box::new(Scalar::Number(size)), Box::new(value(place)))
+        };
+        sum = Some(match (sum, negative) {
+            (None, false) => term,
+            (None, true) => Scalar::Neg(Box::new(term)),
+            (Some(sum), false) => Scalar::Add(Box::new(sum), Box::new(term)),
+            (Some(sum), true) => Scalar::Sub(Box::new(sum), Box::new(term)),
+        });
+    }
+    match sum {
+        None => Scalar::Number(form.constant),
+        Some(sum) if form.constant == 0.0 => sum,
+        Some(sum) if form.constant < 0.0 => {
+            Scalar::Sub(Box::new(sum), Box::new(Scalar::Number(-form.constant)))
+        }
+        Some(sum) => Scalar::Add(Box::new(sum), Box::new(Scalar::Number(form.constant))),
+    }
+}
+
+/// What is said of the step.
+fn stage(general: &General, chart: Chart) -> Stage {
+    let free: Vec<&GeneralJoint> = general.joints.iter().filter(|joint| joint.given.is_none()).collect();
+    let mut names = Vec::new();
+    let mut behind = 0;
+    for joint in &free {
+        names.push(name(joint, &mut behind));
+    }
+    let named = |place: usize| names.get(place).cloned().unwrap_or_default();
+    let rows = free.iter().filter_map(|joint| joint.row);
+    let unknown = named(chart.unknown());
+    let [first, second] = chart.eliminated().map(named);
+    let [third, fourth] = chart.resolved().map(named);
+    Stage {
+        rows: rows.fold(0, |mask, row| mask | 1_u32.checked_shl(row as u32).unwrap_or(0)),
+        measure: Measure::Ratio,
+        equation: format!("a trigonometric polynomial of degree {} in {unknown} is 0", chart.degree),
+        definitions: Vec::new(),
+        origin: format!(
+            "the line of axis {} seen from both sides; {first} and {second} eliminated from its 14 power products, {third} and {fourth} by a resultant; they and {} follow from each root",
+            named(usize::from(chart.dropped)),
+            named(usize::from(chart.dropped)),
+        ),
+        unknown,
+    }
+}

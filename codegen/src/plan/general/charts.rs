@@ -1,0 +1,135 @@
+//! Which joints play which part: tried on poses of the arm itself.
+
+use super::GeneralChain;
+use dh_core::{Chart, Frame, SixJoints};
+
+/// Degrees that are tried, the least first. No chain of six joints has more than sixteen solutions, and a resultant that
+/// is not rid of its constant factor has four degrees more.
+const DEGREES: [u8; 5] = [2, 4, 6, 8, 12];
+/// A degree is high enough if what should vanish is this small, relative to the greatest coefficient.
+const ACCURATE: f64 = 1e-9;
+/// Charts that are tried further.
+const PROMISING: usize = 6;
+/// Poses on which all charts are tried, and those on which the promising ones are.
+const POSES: [usize; 2] = [3, 12];
+/// How many charts are kept.
+const KEPT: usize = 3;
+
+/// The arm with values for its given joints, six joint values and the pose that belongs to them.
+struct Trial<'a> {
+    six: SixJoints<'a>,
+    q: [f64; 6],
+    pose: Frame,
+}
+
+/// The charts that find most, the best first.
+pub(super) fn choose(chain: &GeneralChain) -> Vec<Chart> {
+    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    let trials: Vec<Trial<'_>> = (0..POSES[1]).filter_map(|_| random.trial(chain)).collect();
+    let mut charts: Vec<(Chart, f64)> = Vec::new();
+    for chart in candidates(chain) {
+        if let Some(chart) = with_degree(chart, &trials) {
+            charts.push((chart, score(chart, trials.get(..POSES[0]).unwrap_or(&trials))));
+        }
+    }
+    sort(&mut charts);
+    charts.truncate(PROMISING);
+    for (chart, badness) in &mut charts {
+        *badness = score(*chart, &trials);
+    }
+    sort(&mut charts);
+    let mut kept: Vec<Chart> = Vec::new();
+    for (chart, badness) in charts {
+        // Charts of the same hidden joint fail at the same poses.
+        let known =
+            kept.iter().any(|other| other.unknown() == chart.unknown() && other.dropped == chart.dropped);
+        if !known && kept.len() < KEPT && badness < trials.len() as f64 {
+            kept.push(chart);
+        }
+    }
+    kept
+}
+
+fn sort(charts: &mut [(Chart, f64)]) {
+    charts.sort_by(|a, b| a.1.total_cmp(&b.1));
+}
+
+/// Every choice in which the two joints that are eliminated first see the line through the target, so that no special
+/// geometry makes the resultant vanish at all poses.
+fn candidates(chain: &GeneralChain) -> Vec<Chart> {
+    let found = chain.prismatic.iter().enumerate().filter(|(joint, _)| !chain.given.contains(joint));
+    let found: Vec<bool> = found.map(|(_, slides)| *slides).collect();
+    let slides = |joint: usize| found.get(joint).copied().unwrap_or(false);
+    let mut charts = Vec::new();
+    for (dropped, backward) in [(1, true), (4, false)] {
+        for hidden in 0..3 {
+            for (swapped, divided) in [(false, false), (true, false), (false, true), (true, true)] {
+                let chart = Chart::new(dropped, backward, hidden, swapped, divided, 0);
+                // Next to the eliminated pair the resultant has no constant factor.
+                let pointless = hidden == 0 && divided;
+                if !pointless && !slides(usize::from(dropped)) && !slides(chart.unknown()) {
+                    charts.push(chart);
+                }
+            }
+        }
+    }
+    charts
+}
+
+/// The chart with the least degree that is high enough.
+fn with_degree(chart: Chart, trials: &[Trial<'_>]) -> Option<Chart> {
+    DEGREES.into_iter().map(|degree| Chart { degree, ..chart }).find(|chart| {
+        let accurate = |trial: &Trial<'_>| trial.six.noise(*chart, &trial.pose) < ACCURATE;
+        trials.iter().take(2).all(accurate)
+    })
+}
+
+/// How badly a chart does: joint values that were not found, the more so where it seemed certain, then doubts, digits
+/// and degree.
+fn score(chart: Chart, trials: &[Trial<'_>]) -> f64 {
+    let mut badness = f64::from(chart.degree) * 0.2;
+    for Trial { six, q, pose } in trials {
+        let mut found = false;
+        let outcome = six.solve_in(chart, pose, &mut |solution| {
+            let apart = |((a, b), slides): ((&f64, &f64), &bool)| {
+                let apart = a - b;
+                let turn = std::f64::consts::TAU;
+                (if *slides { apart } else { apart - turn * libm::round(apart / turn) }).abs()
+            };
+            found |= solution.q.iter().zip(q).zip(&six.prismatic).map(apart).fold(0.0, f64::max) < 1e-6;
+        });
+        badness += match (found, outcome.doubtful) {
+            (true, false) => 0.0,
+            (true, true) => 0.3,
+            (false, true) => 1.0,
+            (false, false) => 4.0,
+        };
+        // Digits that Newton's method had to supply: a twentieth of a miss each.
+        badness += 0.05 * (16.0 + libm::log10(outcome.moved.clamp(1e-16, 1.0)));
+    }
+    badness
+}
+
+/// A linear congruential generator \[Knuth, TAOCP 2, §3.3.4\]: the same poses on every host.
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn value(&mut self, slides: bool, reach: f64) -> f64 {
+        let x = 2.0 * self.unit() - 1.0;
+        if slides { x * reach } else { x * std::f64::consts::PI }
+    }
+
+    fn trial<'a>(&mut self, chain: &'a GeneralChain) -> Option<Trial<'a>> {
+        let slides = |joint: &usize| chain.prismatic.get(*joint).copied().unwrap_or(false);
+        let given: Vec<f64> =
+            chain.given.iter().map(|joint| self.value(slides(joint), chain.reach)).collect();
+        let six = chain.arm().six(&given)?;
+        let q = six.prismatic.map(|slides| self.value(slides, chain.reach));
+        Some(Trial { six, q, pose: six.tip(&q) })
+    }
+}

@@ -1,0 +1,340 @@
+//! Every solution of a full pose for any chain of six joints.
+//!
+//! The chain and its target are a closed circuit. It is cut at one joint, whose axis is then a line that the five others
+//! must bring back to where it is. Two joints see it through the target, three through fixed links. The power products
+//! of that line \[Raghavan, Roth 1993\] are linear in cosine and sine of each joint; eight of the fourteen equations
+//! eliminate the first two joints, the other six hold three. One of these three stays hidden in the coefficients; of the
+//! others, one is eliminated by a resultant \[Manocha, Canny 1994\], which the elimination of two thirds of the unknown
+//! products brings from twelve rows to three.
+//!
+//! What remains is a trigonometric polynomial in one joint angle. It is sampled, not expanded: a discrete Fourier
+//! transform gives its coefficients, and shows by what should be 0 how accurate they are. Its real roots are isolated, the
+//! other joints follow, and Newton's method on the whole pose takes away what rounding has left.
+//!
+//! Where the polynomial is doubtful (roots that have met, a target at which it vanishes) another choice of joints is asked
+//! as well. Which choices suit an arm best is found by the compiler.
+
+mod circuit;
+mod jacobian;
+mod line;
+mod linear;
+mod resultant;
+mod waves;
+
+use crate::polish::{Polished, polish};
+use crate::{Float, Frame};
+use circuit::Circuit;
+use resultant::Resultant;
+
+/// How many joints the caller leaves to be found.
+pub(crate) const JOINTS: usize = 6;
+
+/// A chain of joints along and about z, six of which are to be found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GeneralArm<'a> {
+    /// Fixed transforms (m): before the first joint, between the joints, after the last.
+    pub links: &'a [Frame],
+    /// Which joints slide.
+    pub prismatic: &'a [bool],
+    /// Joints whose values the caller gives.
+    pub given: &'a [usize],
+    /// Size of the arm (m): lengths are measured in it.
+    pub reach: f64,
+    /// Choices of joints, the best first.
+    pub charts: &'a [Chart],
+}
+
+impl<'a> GeneralArm<'a> {
+    /// The chain that is left where some joints are given (rad or m). `None` where those left are not six.
+    pub fn six(&self, given: &[f64]) -> Option<SixJoints<'a>> {
+        let mut six = SixJoints {
+            links: [Frame::IDENTITY; JOINTS + 1],
+            prismatic: [false; JOINTS],
+            reach: self.reach,
+            charts: self.charts,
+        };
+        let (first, links) = self.links.split_first()?;
+        let mut link = *first;
+        let mut count = 0;
+        for (joint, (slides, after)) in self.prismatic.iter().zip(links).enumerate() {
+            let value = self.given.iter().position(|other| *other == joint);
+            if let Some(place) = value {
+                let motion = line::Motion::new(*slides, *given.get(place)?);
+                link = link.compose(&motion.frame()).compose(after);
+            } else {
+                *six.links.get_mut(count)? = link;
+                *six.prismatic.get_mut(count)? = *slides;
+                count += 1;
+                link = *after;
+            }
+        }
+        *six.links.last_mut()? = link;
+        (count == JOINTS).then_some(six)
+    }
+}
+
+/// A chain of six joints, revolute or prismatic, along and about z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SixJoints<'a> {
+    /// Fixed transforms (m): before the first joint, between the joints, after the last.
+    pub links: [Frame; JOINTS + 1],
+    /// Which joints slide.
+    pub prismatic: [bool; JOINTS],
+    /// Size of the arm (m): lengths are measured in it.
+    pub reach: f64,
+    /// Choices of joints, the best first.
+    pub charts: &'a [Chart],
+}
+
+/// Which joints play which part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Chart {
+    /// The joint whose axis is the line; its value comes last. Must be revolute.
+    pub dropped: u8,
+    /// Whether the circuit is run through towards the base.
+    pub backward: bool,
+    /// Which of the three joints far from the cut is hidden in the polynomial: 0, 1 or 2, counted along the circuit. Must
+    /// be revolute.
+    pub hidden: u8,
+    /// Which of the other two the resultant eliminates.
+    pub swapped: bool,
+    /// Whether the resultant has a factor that is the same for all targets, to be divided out.
+    pub divided: bool,
+    /// Degree of the polynomial.
+    pub degree: u8,
+}
+
+impl Chart {
+    /// A choice of joints.
+    pub const fn new(
+        dropped: u8,
+        backward: bool,
+        hidden: u8,
+        swapped: bool,
+        divided: bool,
+        degree: u8,
+    ) -> Self {
+        Self { dropped, backward, hidden, swapped, divided, degree }
+    }
+
+    /// The joint whose angle the polynomial is in.
+    pub const fn unknown(&self) -> usize {
+        let along = (self.hidden % 3) as usize + 3;
+        self.place(along)
+    }
+
+    /// The two joints that are eliminated first.
+    pub const fn eliminated(&self) -> [usize; 2] {
+        [self.place(1), self.place(2)]
+    }
+
+    /// The two joints besides [`Chart::unknown`] that the resultant is in.
+    pub const fn resolved(&self) -> [usize; 2] {
+        match self.hidden % 3 {
+            0 => [self.place(4), self.place(5)],
+            1 => [self.place(3), self.place(5)],
+            _ => [self.place(3), self.place(4)],
+        }
+    }
+
+    /// The joint of the arm at a place of the circuit.
+    const fn place(&self, along: usize) -> usize {
+        let first = self.dropped as usize % JOINTS;
+        if self.backward { (first + JOINTS - along) % JOINTS } else { (first + along) % JOINTS }
+    }
+}
+
+/// What a search of one chart came to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// Whether solutions may be missing: roots have met, or the polynomial is inaccurate.
+    pub doubtful: bool,
+    /// How far the polynomial stays away from 0, relative to its size; 0 where it has roots.
+    pub miss: f64,
+    /// How far (rad, reaches) Newton's method had to go from the worst of the roots.
+    pub moved: f64,
+}
+
+impl SixJoints<'_> {
+    /// Hands every solution for a pose of the tip to `found`, some of them more than once.
+    ///
+    /// Solutions are joint values (rad, m) with what is left of their errors.
+    pub fn solve(&self, pose: &Frame, mut found: impl FnMut(&Polished<JOINTS>)) -> Outcome {
+        let mut outcome = Outcome::UNKNOWN;
+        for chart in self.charts {
+            outcome = outcome.and(self.solve_in(*chart, pose, &mut found));
+            if !outcome.doubtful {
+                return outcome;
+            }
+        }
+        // Where the equations degenerate at this very pose, those of poses on both sides of it don't.
+        for chart in self.charts {
+            for (size, side) in NEIGHBOURS {
+                let [x, y, z, roll, pitch, yaw] = side.map(|part| part * size);
+                let step = Frame::from_rpy([x, y, z].map(|length| length * self.reach), [roll, pitch, yaw]);
+                let from = self.solve_from(*chart, &pose.compose(&step), pose, &mut found);
+                outcome = Outcome { doubtful: true, ..outcome.and(from) };
+            }
+        }
+        outcome
+    }
+
+    /// The same by one choice of joints.
+    pub fn solve_in(&self, chart: Chart, pose: &Frame, found: &mut impl FnMut(&Polished<JOINTS>)) -> Outcome {
+        self.solve_from(chart, pose, pose, found)
+    }
+
+    /// Solutions for a pose, by Newton's method from those for a pose next to it.
+    fn solve_from(
+        &self,
+        chart: Chart,
+        from: &Frame,
+        pose: &Frame,
+        found: &mut impl FnMut(&Polished<JOINTS>),
+    ) -> Outcome {
+        let scaled = self.scaled();
+        let circuit = scaled.circuit(chart, &self.in_reaches(from));
+        let Some(resultant) = Resultant::new(&circuit, chart) else {
+            return Outcome::UNKNOWN;
+        };
+        let (waves, noise) = resultant.waves(chart.degree);
+        if noise > USELESS || noise.is_nan() {
+            return Outcome::UNKNOWN;
+        }
+        let target = self.in_reaches(pose);
+        let roots = waves.roots();
+        let miss = if roots.as_slice().is_empty() { waves.miss(&roots) } else { 0.0 };
+        let mut outcome = Outcome { doubtful: roots.doubtful || noise > NOISE, miss, moved: 0.0 };
+        if roots.as_slice().is_empty() {
+            outcome.doubtful |= miss < NEARLY;
+        }
+        let mut known = [[f64::NAN; JOINTS]; 2 * waves::MAX_ROOTS];
+        let mut count = 0;
+        for root in roots.as_slice() {
+            let mut hit = false;
+            for q in circuit.rest(resultant.others(*root)).iter().flatten() {
+                let exact = |q: &[f64; JOINTS]| jacobian::pose_and_jacobian(&scaled, q);
+                let mut solution = polish(*q, &target, 1.0, STEPS, exact);
+                if Float::max(solution.position_error, solution.rotation_error) > FOUND {
+                    continue;
+                }
+                let moved = solution.q.iter().zip(q).map(|(to, from)| libm::fabs(to - from));
+                let moved = moved.fold(0.0, |most, x| if x > most { x } else { most });
+                outcome.moved = if moved > outcome.moved { moved } else { outcome.moved };
+                hit |= moved <= FAR;
+                if known.iter().take(count).any(|other| same(other, &solution.q, &self.prismatic)) {
+                    // Two roots have gone to one solution: another may have none.
+                    outcome.doubtful = true;
+                } else if let Some(place) = known.get_mut(count) {
+                    *place = solution.q;
+                    count += 1;
+                }
+                for (value, slides) in solution.q.iter_mut().zip(self.prismatic) {
+                    if slides {
+                        *value *= self.reach;
+                    }
+                }
+                found(&solution);
+            }
+            outcome.doubtful |= !hit;
+        }
+        // Real solutions come and go in pairs.
+        outcome.doubtful |= count % 2 == 1;
+        outcome
+    }
+
+    /// The tip at joint values (rad, m).
+    pub fn tip(&self, q: &[f64; JOINTS]) -> Frame {
+        let [base, links @ ..] = &self.links;
+        let joints = q.iter().zip(self.prismatic);
+        joints.zip(links).fold(*base, |frame, ((value, slides), link)| {
+            frame.compose(&line::Motion::new(slides, *value).frame()).compose(link)
+        })
+    }
+
+    /// How inaccurate the coefficients of a chart's polynomial are at a pose, relative to the greatest: large where the
+    /// chart's degree is too low.
+    pub fn noise(&self, chart: Chart, pose: &Frame) -> f64 {
+        let circuit = self.scaled().circuit(chart, &self.in_reaches(pose));
+        Resultant::new(&circuit, chart).map_or(f64::INFINITY, |resultant| resultant.waves(chart.degree).1)
+    }
+
+    fn circuit(&self, chart: Chart, pose: &Frame) -> Circuit {
+        let [before, first, second, third, fourth, fifth, after] = self.links;
+        let closing = after.compose(&pose.inverse()).compose(&before);
+        Circuit::new(&[first, second, third, fourth, fifth, closing], &self.prismatic, chart)
+    }
+
+    fn in_reaches(&self, pose: &Frame) -> Frame {
+        Frame { translation: pose.translation.map(|x| x / self.reach), ..*pose }
+    }
+
+    /// With lengths in reaches.
+    fn scaled(&self) -> Self {
+        let links =
+            self.links.map(|link| Frame { translation: link.translation.map(|x| x / self.reach), ..link });
+        Self { links, ..*self }
+    }
+}
+
+impl Outcome {
+    const UNKNOWN: Self = Self { doubtful: true, miss: f64::INFINITY, moved: f64::INFINITY };
+
+    /// After one more search.
+    fn and(self, other: Self) -> Self {
+        Self { miss: if other.miss < self.miss { other.miss } else { self.miss }, ..other }
+    }
+}
+
+/// Steps of Newton's method at most: two or three where the pose is regular.
+const STEPS: usize = 40;
+
+/// Two solutions that are nearer than this (rad, reaches) are one.
+const SAME: f64 = 1e-9;
+
+/// Whether two sets of joint values are one but for whole turns.
+fn same(a: &[f64; JOINTS], b: &[f64; JOINTS], prismatic: &[bool; JOINTS]) -> bool {
+    a.iter().zip(b).zip(prismatic).all(|((a, b), slides)| {
+        let apart = if *slides { a - b } else { crate::Float::wrap_angle(a - b) };
+        libm::fabs(apart) <= SAME
+    })
+}
+
+/// Relative noise of the coefficients from which on nothing can be said of the roots.
+const USELESS: f64 = 1e-3;
+
+/// A root from which Newton's method goes this far (rad, reaches) was inaccurate: so may be those that were lost.
+const FAR: f64 = 1e-5;
+
+/// Neighbouring poses that help where the equations degenerate: how far off they are (rad, reaches), and where. They come
+/// in opposite pairs, for of two solutions that meet at a pose there are two on one side of it and none on the other. The
+/// near ones keep solutions that are about to vanish, the far ones tell many roots apart that meet at the pose.
+const NEIGHBOURS: [(f64, [f64; 6]); 10] = [
+    (1e-6, ASIDE),
+    (-1e-6, ASIDE),
+    (1e-4, ASKEW),
+    (-1e-4, ASKEW),
+    (1e-3, ASIDE),
+    (-1e-3, ASIDE),
+    (1e-2, ASKEW),
+    (-1e-2, ASKEW),
+    (4e-2, ASIDE),
+    (-4e-2, ASIDE),
+];
+
+/// No direction of symmetry.
+const ASIDE: [f64; 6] = [0.61, -0.45, 0.37, 0.53, 0.71, -0.42];
+/// Another one.
+const ASKEW: [f64; 6] = [-0.33, 0.58, 0.71, -0.67, 0.24, 0.49];
+
+/// A polynomial without roots that comes as near to 0 as this, relative to its size, may have had some.
+const NEARLY: f64 = 1e-6;
+
+/// Relative noise of the coefficients from which on roots may have been lost.
+const NOISE: f64 = 1e-8;
+
+/// A candidate whose error (reaches, rad) Newton's method doesn't bring below this is none.
+const FOUND: f64 = 1e-10;
+
+#[cfg(test)]
+mod tests;

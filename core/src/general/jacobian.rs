@@ -1,0 +1,23 @@
+//! What Newton's method needs of a chain.
+
+use super::{JOINTS, SixJoints};
+use crate::Frame;
+use crate::frame::{cross, sub};
+
+/// The tip, and the columns of the Jacobian.
+pub(super) fn pose_and_jacobian(arm: &SixJoints<'_>, q: &[f64; JOINTS]) -> (Frame, [[f64; 6]; JOINTS]) {
+    let [base, links @ ..] = &arm.links;
+    let mut frame = *base;
+    let mut axes = [([0.0; 3], [0.0; 3]); JOINTS];
+    for (((value, link), slides), axis) in q.iter().zip(links).zip(arm.prismatic).zip(&mut axes) {
+        *axis = (frame.z_axis(), frame.translation);
+        frame = frame.compose(&super::line::Motion::new(slides, *value).frame()).compose(link);
+    }
+    let mut columns = [[0.0; 6]; JOINTS];
+    for ((column, (axis, origin)), slides) in columns.iter_mut().zip(axes).zip(arm.prismatic) {
+        let [wx, wy, wz] = if slides { [0.0; 3] } else { axis };
+        let [vx, vy, vz] = if slides { axis } else { cross(axis, sub(frame.translation, origin)) };
+        *column = [vx, vy, vz, wx, wy, wz];
+    }
+    (frame, columns)
+}

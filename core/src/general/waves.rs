@@ -1,0 +1,277 @@
+//! Real roots of a trigonometric polynomial.
+
+/// The greatest degree.
+pub(super) const MAX_DEGREE: usize = 12;
+/// The most roots: as many real ones as a polynomial of the greatest degree can have.
+pub(super) const MAX_ROOTS: usize = 2 * MAX_DEGREE;
+
+/// Cells of a turn to begin with.
+const CELLS: usize = 32;
+/// Cells (rad, half their width) that are no longer divided: a cluster of roots is in there.
+const SMALLEST: f64 = 1e-7;
+/// Cells (rad, half their width) that are as small as this are next to a cluster of roots.
+const CLUSTER: f64 = 1e-3;
+/// Cells that are looked at, at most: there are some hundred, unless the polynomial is nothing but noise.
+const MOST_CELLS: usize = 2000;
+/// Two roots that come this near to each other (rad) before they would vanish are kept as a candidate, for rounding
+/// errors may have driven them off the real line.
+const NEARLY_MET: f64 = 1e-2;
+
+/// f(x) = Re sum of (a + i b)_k exp(i k x).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Waves {
+    coefficients: [[f64; 2]; MAX_DEGREE + 1],
+    /// Bound on the third derivative.
+    third: f64,
+}
+
+/// Roots of a polynomial, and candidates that may be.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Roots {
+    list: [f64; MAX_ROOTS],
+    len: usize,
+    /// Whether some are double, or more came than there is room for.
+    pub(super) doubtful: bool,
+    /// How near the polynomial was seen to come to 0.
+    least: f64,
+}
+
+impl Roots {
+    pub(super) fn as_slice(&self) -> &[f64] {
+        self.list.get(..self.len).unwrap_or(&self.list)
+    }
+
+    fn push(&mut self, root: f64) {
+        match self.list.get_mut(self.len) {
+            Some(place) => {
+                *place = root;
+                self.len += 1;
+            }
+            None => self.doubtful = true,
+        }
+    }
+}
+
+impl Waves {
+    pub(super) fn new(coefficients: [[f64; 2]; MAX_DEGREE + 1]) -> Self {
+        let mut third = 0.0;
+        for (k, [a, b]) in coefficients.iter().enumerate() {
+            let k = k as f64;
+            third += k * k * k * libm::sqrt(a * a + b * b);
+        }
+        Self { coefficients, third }
+    }
+
+    /// Value and two derivatives.
+    fn at(&self, x: f64) -> [f64; 3] {
+        let (sin, cos) = libm::sincos(x);
+        let [mut p, mut d, mut e] = [[0.0; 2]; 3];
+        let step = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a * cos - b * sin + c, a * sin + b * cos + d];
+        for coefficient in self.coefficients.iter().rev() {
+            e = step(e, d);
+            d = step(d, p);
+            p = step(p, *coefficient);
+        }
+        // With z = exp(ix): f' = Re(i z p'), f'' = -Re(z p' + 2 z^2 p''/2).
+        let zd = [d[0] * cos - d[1] * sin, d[0] * sin + d[1] * cos];
+        let ze = [e[0] * cos - e[1] * sin, e[0] * sin + e[1] * cos];
+        let zze = ze[0] * cos - ze[1] * sin;
+        [p[0], -zd[1], -(zd[0] + 2.0 * zze)]
+    }
+
+    /// How near the polynomial was seen to come to 0, relative to its size.
+    pub(super) fn miss(&self, roots: &Roots) -> f64 {
+        let size = self.coefficients.iter().fold(0.0, |sum, [a, b]| sum + libm::sqrt(a * a + b * b));
+        if size > 0.0 { roots.least / size } else { f64::INFINITY }
+    }
+
+    /// All roots in a turn.
+    ///
+    /// A cell in which Taylor's expansion at its middle leaves no room for a root is dropped, one in which the polynomial
+    /// is monotonous or has one extremum is searched, others are halved.
+    pub(super) fn roots(&self) -> Roots {
+        let mut roots = Roots { list: [0.0; MAX_ROOTS], len: 0, doubtful: false, least: f64::INFINITY };
+        let mut tries = 0;
+        let width = core::f64::consts::TAU / CELLS as f64;
+        for cell in 0..CELLS {
+            let mut from = cell as f64 * width;
+            let end = from + width;
+            let mut half = width / 2.0;
+            // Depth first without a stack: the next cell begins where this one ends, as wide as the binary grid allows.
+            let mut index: u64 = 0;
+            let mut depth: u32 = 0;
+            while from < end && depth < 64 {
+                tries += 1;
+                if tries > MOST_CELLS {
+                    roots.doubtful = true;
+                    return roots;
+                }
+                if self.cell(from + half, half, &mut roots) {
+                    index += 1;
+                    from += 2.0 * half;
+                    while depth > 0 && index & 1 == 0 {
+                        index >>= 1;
+                        half *= 2.0;
+                        depth -= 1;
+                    }
+                    if depth == 0 {
+                        break;
+                    }
+                } else {
+                    index <<= 1;
+                    half /= 2.0;
+                    depth += 1;
+                }
+            }
+        }
+        roots
+    }
+
+    /// Whether a cell is done with: else it is to be halved.
+    fn cell(&self, middle: f64, half: f64, roots: &mut Roots) -> bool {
+        let [f, d, e] = self.at(middle);
+        let rest = self.third * half;
+        let flat = (libm::fabs(e) + rest / 3.0) * half / 2.0;
+        roots.least = if libm::fabs(f) < roots.least { libm::fabs(f) } else { roots.least };
+        if libm::fabs(f) > (libm::fabs(d) + flat) * half {
+            // Simple and double roots are told from far off: what is looked at so closely is next to several.
+            roots.doubtful |= half < CLUSTER;
+            // No root; but two may have met just off the real line.
+            if half <= NEARLY_MET {
+                return true;
+            }
+            return libm::fabs(f)
+                > (libm::fabs(d) + flat) * half + (libm::fabs(e) + rest) * (NEARLY_MET * NEARLY_MET / 2.0);
+        }
+        let slope = (libm::fabs(e) + rest / 2.0) * half;
+        if libm::fabs(d) > slope {
+            let (low, high) = (middle - half, middle + half);
+            let (at_low, at_high) = (self.at(low)[0], self.at(high)[0]);
+            self.bracketed([low, high], [at_low, at_high], middle, roots);
+            return true;
+        }
+        if libm::fabs(e) > 2.0 * rest {
+            self.parabola(middle, half, e, roots);
+            return true;
+        }
+        if half < SMALLEST {
+            roots.push(middle);
+            roots.doubtful = true;
+            return true;
+        }
+        false
+    }
+
+    /// A cell in which the curve bends one way only: none, two roots, or one at the edge.
+    fn parabola(&self, middle: f64, half: f64, bend: f64, roots: &mut Roots) {
+        let (low, high) = (middle - half, middle + half);
+        let mut extremum = middle;
+        for _ in 0..8 {
+            let [_, d, e] = self.at(extremum);
+            let step = d / e;
+            extremum -= step;
+            if libm::fabs(step) < 1e-12 || !(extremum > low - half && extremum < high + half) {
+                break;
+            }
+        }
+        let (at_low, at_high) = (self.at(low)[0], self.at(high)[0]);
+        if !(extremum > low && extremum < high) {
+            self.bracketed([low, high], [at_low, at_high], middle, roots);
+            return;
+        }
+        let at_extremum = self.at(extremum)[0];
+        // The distance of the two roots from the extremum, real or imaginary.
+        let distance = libm::sqrt(2.0 * libm::fabs(at_extremum / bend));
+        if (at_extremum > 0.0) == (bend > 0.0) {
+            if distance < NEARLY_MET {
+                roots.push(extremum);
+                roots.doubtful = true;
+            }
+            return;
+        }
+        if distance < NEARLY_MET * 1e-2 {
+            roots.doubtful = true;
+        }
+        self.bracketed([low, extremum], [at_low, at_extremum], extremum - distance, roots);
+        self.bracketed([extremum, high], [at_extremum, at_high], extremum + distance, roots);
+    }
+
+    /// The root between two places where the signs differ; the curve is monotonous there.
+    fn bracketed(
+        &self,
+        [mut low, mut high]: [f64; 2],
+        [at_low, at_high]: [f64; 2],
+        guess: f64,
+        roots: &mut Roots,
+    ) {
+        if (at_low > 0.0) == (at_high > 0.0) {
+            return;
+        }
+        let rising = at_high > 0.0;
+        let mut x = if guess > low && guess < high { guess } else { (low + high) / 2.0 };
+        for _ in 0..60 {
+            let [f, d, _] = self.at(x);
+            if (f > 0.0) == rising {
+                high = x;
+            } else {
+                low = x;
+            }
+            let newton = x - f / d;
+            let next = if newton > low && newton < high { newton } else { (low + high) / 2.0 };
+            let step = libm::fabs(next - x);
+            x = next;
+            if step < 1e-14 {
+                break;
+            }
+        }
+        roots.push(x);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MAX_DEGREE, Waves};
+
+    /// The polynomial with these roots, 2 n of them, as a product of sin((x - r) / 2).
+    fn with_roots(list: &[f64]) -> Waves {
+        let degree = list.len() / 2;
+        let count = 2 * MAX_DEGREE + 3;
+        let mut coefficients = [[0.0; 2]; MAX_DEGREE + 1];
+        for sample in 0..count {
+            let x = core::f64::consts::TAU * f64::from(sample as u32) / count as f64;
+            let f: f64 = list.iter().map(|root| 2.0 * libm::sin((x - root) / 2.0)).product();
+            for (k, coefficient) in coefficients.iter_mut().enumerate().take(degree + 1) {
+                let weight = if k == 0 { 1.0 } else { 2.0 } / count as f64;
+                let (sin, cos) = libm::sincos(k as f64 * x);
+                coefficient[0] += weight * f * cos;
+                coefficient[1] -= weight * f * sin;
+            }
+        }
+        Waves::new(coefficients)
+    }
+
+    #[test]
+    fn simple_roots_are_found() {
+        for list in [
+            &[1.0, 1.004, 1.0041, 1.008, 2.0, 4.0],
+            &[0.3, 1.0, 2.5, 2.6, 4.0, 6.2][..],
+            &[0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 3.0, 3.1],
+            &[1.0, 1.0001, 2.0, 5.0],
+        ] {
+            let roots = with_roots(list).roots();
+            let mut found = roots.as_slice().to_vec();
+            found.sort_by(f64::total_cmp);
+            assert_eq!(found.len(), list.len(), "{list:?} {found:?}");
+            for (root, wanted) in found.iter().zip(list) {
+                assert!(libm::fabs(libm::sin((root - wanted) / 2.0)) < 1e-9, "{found:?} {list:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_double_root_is_a_candidate() {
+        let roots = with_roots(&[1.0, 1.0, 3.0, 4.0]).roots();
+        assert!(roots.doubtful);
+        assert!(roots.as_slice().iter().any(|root| (root - 1.0).abs() < 1e-6));
+    }
+}

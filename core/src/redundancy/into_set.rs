@@ -1,0 +1,114 @@
+//! Redundant arms as motion and the command line see them: sets of solutions, as many as have room.
+
+use super::{Arm, Redundancy};
+use crate::solutions::travel;
+use crate::{Float, Frame, IkError, Kinematics, LengthError, MAX_JOINTS, SolutionSet, Solutions, Target};
+
+impl<S: Float> Redundancy<'_, S> {
+    /// [`Kinematics::ik_into`] of a problem that leaves one joint to the caller: of the sweep's solutions, limits
+    /// ignored, those nearest to the middle of the limits.
+    ///
+    /// # Errors
+    /// What is said at the last sample, where there is no solution at any.
+    pub fn sweep_into<K: Kinematics<S> + ?Sized>(
+        &self,
+        arm: &K,
+        problem: &str,
+        target: &Target<S>,
+        out: &mut SolutionSet<S>,
+    ) -> Result<(), IkError<S>> {
+        out.clear();
+        let solutions = self.swept(arm, problem, target, &self.middle(), |solutions| Ok(solutions))?;
+        out.fill_padded(arm.dof(), solutions);
+        Ok(())
+    }
+
+    /// [`Kinematics::ik_within`] of such a problem: what limits and rules allow of it, the nearest to the seed first, if
+    /// there is one.
+    pub(crate) fn within_into<K: Kinematics<S> + ?Sized>(
+        &self,
+        arm: &K,
+        problem: &str,
+        target: &Target<S>,
+        seed: Option<&[S]>,
+        out: &mut SolutionSet<S>,
+    ) -> Result<(), IkError<S>> {
+        out.clear();
+        let dof = arm.dof();
+        let point = |q: &[S; MAX_JOINTS]| arm.rules_point(q.get(..dof).unwrap_or(q)).unwrap_or([S::NAN; 3]);
+        let Some(seed) = seed else {
+            let allowed = |solutions: Solutions<MAX_JOINTS, S>| solutions.within(&self.rules, point, None);
+            let solutions = self.swept(arm, problem, target, &self.middle(), allowed)?;
+            out.fill_padded(dof, solutions);
+            return Ok(());
+        };
+        LengthError::check(dof, seed.len())?;
+        let mut padded = [S::ZERO; MAX_JOINTS];
+        padded.iter_mut().zip(seed).for_each(|(to, from)| *to = *from);
+        let target = target.validate()?;
+        let at = |free| at(arm, problem, &target, free);
+        let allowed =
+            |solutions: Solutions<MAX_JOINTS, S>| solutions.within(&self.rules, point, Some(&padded));
+        let swept = self.swept(arm, problem, &target, &padded, allowed);
+        if !self.whole_pose {
+            out.fill_padded(dof, swept?);
+            return Ok(());
+        }
+        let state = |q: &[S; MAX_JOINTS]| {
+            let (q, mut columns) = (q.get(..dof).unwrap_or(q), [[S::ZERO; 6]; MAX_JOINTS]);
+            let nowhere = Frame { translation: [S::NAN; 3], ..Frame::IDENTITY };
+            let tool = arm.jacobian_into(q, &mut columns).and_then(|()| arm.fk(q)).unwrap_or(nowhere);
+            (tool, columns)
+        };
+        let nearest = self.nearest(Arm::new(at, state), point, &target, &padded)?;
+        let mut solutions = swept.unwrap_or(Solutions::empty());
+        if solutions.iter().all(|other| travel(&other.q, &nearest.q) > S::EPSILON) {
+            solutions.insert_by_distance(nearest, &padded);
+        }
+        out.fill_padded(dof, solutions);
+        Ok(())
+    }
+
+    /// The middle of all limits; 0 where there are none.
+    fn middle(&self) -> [S; MAX_JOINTS] {
+        let mut middle = [S::ZERO; MAX_JOINTS];
+        for (value, joint) in middle.iter_mut().zip(self.rules.joints) {
+            *value = joint.limits.map_or(S::ZERO, |limits| limits.middle());
+        }
+        middle
+    }
+
+    /// What is kept of the solutions at every sample, those nearest to `reference`.
+    fn swept<K: Kinematics<S> + ?Sized>(
+        &self,
+        arm: &K,
+        problem: &str,
+        target: &Target<S>,
+        reference: &[S; MAX_JOINTS],
+        kept: impl Fn(Solutions<MAX_JOINTS, S>) -> Result<Solutions<MAX_JOINTS, S>, IkError<S>>,
+    ) -> Result<Solutions<MAX_JOINTS, S>, IkError<S>> {
+        let mut all = Solutions::empty();
+        let mut refusal = IkError::NotFinite;
+        for value in self.samples() {
+            match at(arm, problem, target, value).and_then(&kept) {
+                Ok(solutions) => {
+                    solutions.iter().for_each(|solution| all.insert_by_distance(*solution, reference));
+                }
+                Err(error) => refusal = error,
+            }
+        }
+        if all.is_empty() { Err(refusal) } else { Ok(all) }
+    }
+}
+
+/// The solutions with the free joint at a value.
+fn at<K: Kinematics<S> + ?Sized, S: Float>(
+    arm: &K,
+    problem: &str,
+    target: &Target<S>,
+    free: S,
+) -> Result<Solutions<MAX_JOINTS, S>, IkError<S>> {
+    let mut set = SolutionSet::new();
+    arm.ik_at_into(problem, target, &[free], &mut set)?;
+    Ok(set.into_padded())
+}

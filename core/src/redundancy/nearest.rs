@@ -1,0 +1,300 @@
+//! The solution nearest to a seed, over the whole self-motion.
+//!
+//! From the seed downhill leads to a solution; whether another is nearer is then looked for where it could be: a
+//! solution at distance D leaves only values of the free joint within D of the seed's, since that joint is part of the
+//! distance. These are sampled, and from every solution at a sample that may have a nearer one on its stretch of curve
+//! the way goes downhill again. Where the bottom is outside limits, the curve is followed to them.
+
+use super::curve::Curve;
+use super::{Range, Redundancy};
+use crate::selection::nearest_winding;
+use crate::solutions::travel;
+use crate::{Float, Frame, IkError, Limits, Rules, Solution, Solutions, Target, TargetKind};
+
+/// How many samples the whole range of the free joint takes.
+const SAMPLES: f64 = 48.0;
+/// A stretch of a branch is longer than its tangent says by up to this factor.
+const BENT: f64 = 1.5;
+/// Where the free joint hardly moves along the curve, a stretch of it is longer than the tangent says. What is farther
+/// away than this times the square root of half the distance of samples isn't looked at.
+const TURNING: f64 = 4.0;
+/// How much nearer to each other samples are where the free joint turns back.
+const FINER: f64 = 8.0;
+/// A seed counts as a solution up to this many machine epsilons (of the reach, and rad).
+const EXACT: f64 = 256.0;
+/// Joint values this near to a bottom of the curve (rad or m), in its direction, lead to it again.
+const SAME_STRETCH: f64 = 0.5;
+/// A bottom is no farther than this many times the slope towards it (both in rad or m).
+const SLOWEST: f64 = 3.0;
+/// How many bottoms are remembered.
+const BOTTOMS: usize = 8;
+
+/// What a search for the nearest solution asks of the arm.
+pub struct Arm<A, F> {
+    /// The solutions with the free joint at a value (rad or m).
+    pub at: A,
+    /// The tool frame (m), and the columns of the Jacobian there: vx vy vz (m) wx wy wz (rad), per rad or m.
+    pub state: F,
+}
+
+impl<A, F> Arm<A, F> {
+    /// Both functions.
+    pub const fn new(at: A, state: F) -> Self {
+        Self { at, state }
+    }
+}
+
+struct Nearest<'r, const N: usize, S, F> {
+    /// The free joint (index of q).
+    joint: usize,
+    rules: Rules<'r, S>,
+    curve: Curve<'r, N, S, F>,
+    target: Target<S>,
+    best: Option<(Solution<N, S>, S)>,
+    /// Allowed bottoms that were found.
+    bottoms: [Option<[S; N]>; BOTTOMS],
+    /// Whether the way from some sample led to a bottom that was known.
+    returned: bool,
+    /// Why what was found isn't allowed.
+    refusal: Option<IkError<S>>,
+}
+
+/// Whether there were solutions, but none that is allowed.
+fn is_of_rules<S>(error: &IkError<S>) -> bool {
+    matches!(error, IkError::OutsideLimits { .. } | IkError::Forbidden { .. })
+}
+
+impl<S: Float> Redundancy<'_, S> {
+    /// The solution nearest to the seed (rad or m; by [`Solutions::nearest`]'s measure) that limits and rules allow,
+    /// whatever the free joint. A seed that is itself a solution is returned as it is. For problems that prescribe the
+    /// whole pose and nothing else.
+    ///
+    /// A curve of solutions that lies between two of 48 samples of the free joint's range may be missed.
+    ///
+    /// # Errors
+    /// [`IkError::NotFinite`] for such a seed, and those of [`Target::validate_as`]; where no sample has an allowed solution, which limit or rule one of them
+    /// breaks, else what is said at the sample nearest to the seed.
+    pub fn nearest<const N: usize, A, F>(
+        &self,
+        arm: Arm<A, F>,
+        position_of: impl Fn(&[S; N]) -> [S; 3],
+        target: &Target<S>,
+        seed: &[S; N],
+    ) -> Result<Solution<N, S>, IkError<S>>
+    where
+        A: FnMut(S) -> Result<Solutions<N, S>, IkError<S>>,
+        F: Fn(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+    {
+        if !seed.iter().all(|value| value.is_finite()) {
+            return Err(IkError::NotFinite);
+        }
+        let Arm { at, state } = arm;
+        let target = target.validate_as(TargetKind::Pose)?;
+        let Target::Pose(pose) = &target else {
+            return Err(IkError::WrongTarget { expected: TargetKind::Pose });
+        };
+        let (position_error, rotation_error) = target.errors(&state(seed).0);
+        let exact = S::from_f64(EXACT) * S::EPSILON;
+        // Where the tool is at the pose, so is the point that rules ask for.
+        let forbidden = self.rules.broken_workspace(position_of(seed));
+        let hits = position_error <= exact * self.reach && rotation_error <= exact;
+        if hits && forbidden.is_none() && self.rules.allow_joints(seed) {
+            return Ok(Solution { q: *seed, position_error, rotation_error, free: None });
+        }
+        let per_reach = if self.reach > S::ZERO { S::ONE / self.reach } else { S::ONE };
+        let dof = self.rules.joints.len();
+        let curve = Curve { pose, per_reach, dof, state, seed };
+        let mut search = Nearest {
+            joint: self.joint,
+            rules: self.rules,
+            curve,
+            target,
+            best: None,
+            bottoms: [None; BOTTOMS],
+            returned: false,
+            refusal: None,
+        };
+        let own = seed.get(self.joint).copied().unwrap_or(S::ZERO);
+        search.run(own, self.range(own), at, &position_of);
+        match (search.best, search.refusal) {
+            (Some((solution, _)), _) => match self.rules.broken_workspace(position_of(&solution.q)) {
+                Some(rule) => Err(IkError::Forbidden { rule }),
+                None => Ok(solution),
+            },
+            (None, Some(error)) => Err(error),
+            (None, None) => Err(IkError::NotFinite),
+        }
+    }
+}
+
+impl<const N: usize, S, F> Nearest<'_, N, S, F>
+where
+    S: Float,
+    F: Fn(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+{
+    fn run(
+        &mut self,
+        own: S,
+        range: Range<S>,
+        mut at: impl FnMut(S) -> Result<Solutions<N, S>, IkError<S>>,
+        position_of: impl Fn(&[S; N]) -> [S; 3],
+    ) {
+        if let Some(bottom) = self.curve.nearest_point(self.curve.seed) {
+            self.bottom(self.curve.seed, &bottom, false);
+        }
+        let mut sample = |search: &mut Self, value: S, half: S| {
+            let solutions = match at(value) {
+                Ok(solutions) => solutions,
+                Err(error) => {
+                    search.refusal.get_or_insert(error);
+                    return 0;
+                }
+            };
+            if search.best.is_none() && !search.refusal.is_some_and(|known| is_of_rules(&known)) {
+                let allowed = solutions.clone().within(&search.rules, &position_of, None);
+                search.refusal = allowed.err().or(search.refusal);
+            }
+            solutions.iter().for_each(|solution| search.start(solution, half));
+            solutions.len()
+        };
+        let start = range.max.min(range.min.max(own));
+        let most = range.width() / S::from_f64(SAMPLES);
+        let half = S::ONE / S::TWO;
+        // A single sample where everything that counts is around it; more where that one does not know of what was
+        // found, since the free joint turns back near there.
+        let alone = self.distance() < most * half;
+        let mut step = if alone { S::TWO * self.distance() } else { most };
+        let first = sample(self, start, step * half);
+        if alone && !self.returned {
+            step = step / S::from_f64(FINER);
+        }
+        let mut counts = [first; 2];
+        let mut index = S::ZERO;
+        loop {
+            index += S::ONE;
+            let mut inside = false;
+            for (side, count) in [S::ONE, -S::ONE].into_iter().zip(&mut counts) {
+                let value = start + side * index * step;
+                // Whether the stretch around it is too far from the seed, or out of range.
+                let near = (value - own).abs() - step * half;
+                let beyond = value - step * half > range.max || value + step * half < range.min;
+                if near >= self.distance() || beyond {
+                    continue;
+                }
+                inside = true;
+                let value = range.max.min(range.min.max(value));
+                let before = core::mem::replace(count, sample(self, value, step * half));
+                if before == *count {
+                    continue;
+                }
+                // Branches end in between.
+                let finer = step / S::from_f64(FINER);
+                let mut between = finer;
+                while between < step {
+                    sample(self, value - side * between, finer * half);
+                    between += finer;
+                }
+            }
+            if !inside {
+                return;
+            }
+        }
+    }
+
+    /// Distance of the best that is known.
+    fn distance(&self) -> S {
+        self.best.map_or(S::INFINITY, |(_, distance)| distance)
+    }
+
+    /// A solution at a sample, on a stretch of a curve on which the free joint moves by `half` to either side.
+    fn start(&mut self, solution: &Solution<N, S>, half: S) {
+        let q = nearest_winding(&self.rules, &solution.q, self.curve.seed);
+        let distance = travel(&q, self.curve.seed).sqrt();
+        if distance < self.distance() && self.rules.allow_joints(&q) {
+            self.best = Some((Solution { q, ..*solution }, distance));
+        }
+        if distance - half - S::from_f64(TURNING) * half.sqrt() >= self.distance() {
+            return;
+        }
+        let local = self.curve.local(&q);
+        let share = local.tangent.get(self.joint).map_or(S::ONE, |x| x.abs());
+        let length = (half / share).min(half + S::from_f64(TURNING) * half.sqrt());
+        if distance - S::from_f64(BENT) * length >= self.distance() {
+            return;
+        }
+        if self.leads_back(&q, &local.tangent) {
+            self.returned = true;
+        } else if let Some(bottom) = self.curve.nearest_point(&q) {
+            self.bottom(&q, &bottom, true);
+        }
+    }
+
+    /// Whether the way from here leads to a bottom that is known: it lies ahead on the tangent, downhill, and no farther
+    /// than the slope says.
+    fn leads_back(&self, q: &[S; N], tangent: &[S; N]) -> bool {
+        let onto = |a: &[S; N], b: &[S; N]| {
+            a.iter().zip(b).zip(tangent).fold(S::ZERO, |sum, ((a, b), t)| sum + (*a - *b) * *t)
+        };
+        let downhill = onto(self.curve.seed, q);
+        self.bottoms.iter().flatten().any(|bottom| {
+            let (square, along) = (travel(bottom, q), onto(bottom, q));
+            let ahead = along * downhill >= S::ZERO && along.abs() <= S::from_f64(SLOWEST) * downhill.abs();
+            // At most 20 degrees off.
+            ahead
+                && square <= S::from_f64(SAME_STRETCH * SAME_STRETCH)
+                && along * along >= S::from_f64(0.88) * square
+        })
+    }
+
+    /// The bottom of the curve downhill from somewhere; where it isn't allowed, the ends of what is.
+    fn bottom(&mut self, from: &[S; N], bottom: &[S; N], on_curve: bool) {
+        if self.consider(bottom) {
+            if self.bottoms.iter().flatten().any(|known| travel(known, bottom).sqrt() <= S::SQRT_EPSILON) {
+                self.returned = true;
+            } else if let Some(slot) = self.bottoms.iter_mut().find(|slot| slot.is_none()) {
+                *slot = Some(*bottom);
+            }
+            return;
+        }
+        if travel(bottom, self.curve.seed).sqrt() >= self.distance() {
+            return;
+        }
+        let points = [Some(bottom), on_curve.then_some(from)];
+        let rules = self.rules;
+        for (joint, limits) in rules.joints.iter().enumerate().filter_map(|(i, j)| Some((i, j.limits?))) {
+            let value = |q: &[S; N]| q.get(joint).copied().unwrap_or(S::ZERO);
+            self.ends(points, value, &limits);
+        }
+        for sum in rules.sums {
+            self.ends(points, |q: &[S; N]| sum.value(q), &sum.range);
+        }
+    }
+
+    /// Where a limit that one of two points breaks begins to hold, from either.
+    fn ends(&mut self, points: [Option<&[S; N]>; 2], value: impl Fn(&[S; N]) -> S, limits: &Limits<S>) {
+        for outside in points.into_iter().flatten().map(&value).filter(|own| !limits.contains(*own)) {
+            for start in points.into_iter().flatten() {
+                if let Some(end) = self.curve.crossing(start, &value, limits.clamp(outside)) {
+                    self.consider(&end);
+                }
+            }
+        }
+    }
+
+    /// Takes joint values on the curve for the best where they are; whether they are allowed.
+    fn consider(&mut self, q: &[S; N]) -> bool {
+        if !self.rules.allow_joints(q) {
+            return false;
+        }
+        let distance = travel(q, self.curve.seed).sqrt();
+        if distance < self.distance() {
+            let (position_error, rotation_error) = self.target.errors(&(self.curve.state)(q).0);
+            let tolerance = crate::residual_tolerance::<S>();
+            if position_error * self.curve.per_reach > tolerance || rotation_error > tolerance {
+                return false;
+            }
+            self.best = Some((Solution { q: *q, position_error, rotation_error, free: None }, distance));
+        }
+        true
+    }
+}

@@ -1,0 +1,59 @@
+//! The myCobot 280 of Elephant Robotics.
+mod command;
+mod device;
+mod frame;
+mod link;
+mod readings;
+mod refusal;
+mod reply;
+mod request;
+mod simulated;
+#[cfg(test)]
+mod tests;
+
+use crate::driver::{DeviceJoint, JointMap, MapError};
+
+pub use command::Command;
+pub use device::{MyCobot, Versions};
+pub use frame::{FOOTER, Frame, FrameReader, HEADER, MAX_PAYLOAD};
+pub use link::LineCounts;
+pub use refusal::{ANGLES, COORDINATES, Range, Refusal};
+pub use reply::{ArmError, BadReply, Reply};
+pub use request::{CoordinateMode, GripperKind, GripperState, Request};
+pub use simulated::SimulatedMyCobot;
+
+/// Which of the two arms it is. They differ in what their base answers, and in their line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Model {
+    /// With a Raspberry Pi in its base, at `/dev/ttyAMA0`.
+    Pi,
+    /// With an M5 in its base, on USB. The M5 must show its screen *Transponder, USB UART*.
+    M5,
+}
+
+impl Model {
+    /// Bits per second of its line.
+    pub const fn baud(self) -> u32 {
+        match self {
+            Self::Pi => 1_000_000,
+            Self::M5 => 115_200,
+        }
+    }
+
+    /// The model with a line of this rate.
+    pub const fn of_baud(baud: u32) -> Option<Self> {
+        match baud {
+            1_000_000 => Some(Self::Pi),
+            115_200 => Some(Self::M5),
+            _ => None,
+        }
+    }
+}
+
+/// The joints, if there are six of them.
+fn six(map: &JointMap) -> Result<&[DeviceJoint; 6], MapError> {
+    map.joints.as_slice().try_into().map_err(|_| MapError {
+        joint: format!("{} of {}", map.len().min(6) + 1, map.len()),
+        what: "no place in a myCobot, which has six joints",
+    })
+}

@@ -1,0 +1,26 @@
+//! Motion, from goals to a device in memory.
+
+#![expect(clippy::unwrap_used, reason = "tests")]
+
+mod checked;
+mod devices;
+mod memory;
+mod profile;
+mod robot;
+
+use dh_runtime::dh_robot;
+
+#[dh_robot("mycobot")]
+struct MyCobot;
+
+#[dh_robot("planar2r")]
+struct Planar;
+
+#[dh_robot("crane_x7")]
+struct CraneX7;
+
+#[dh_robot("crane_x7_2r")]
+struct Crane;
+
+#[dh_robot("cell.toml", warnings = "off")] // about a servo that is meant to leave less
+struct Cell;
