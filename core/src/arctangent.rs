@@ -1,9 +1,10 @@
 //! The angle of a point, in few operations that have nothing to wait for but one division.
 //!
 //! Inverse problems end in one arc tangent a joint and solution, which is most of their time with a library's function.
-//! This one is the same on every host, and within 1.5 units in the last place (measured: 1.2).
+//! This one is the same on every host, and never more than two units in the last place from the `libm` crate's, over a
+//! million points.
 
-/// Half of an eighth turn's tangents from which an angle is measured: 0, 1/2 and 1.
+/// Angles are measured from those whose tangents are 0, 1/2 and 1.
 const HALF: f64 = 0.5;
 
 /// Up to this quotient of the smaller coordinate and the greater one an angle is measured from 0.

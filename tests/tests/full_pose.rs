@@ -97,8 +97,8 @@ fn there_and_back(arm: &dyn Kinematics, oracle: &Oracle, q: &[f64]) -> Result<f6
         }
         let joints = solution.q.iter().zip(q).zip(&chain.joints);
         let apart = joints.map(|((a, b), row)| {
-            let turns = if chain.rows[*row].prismatic { 0.0 } else { ((a - b) / (2.0 * PI)).round() };
-            (a - b - 2.0 * PI * turns).abs()
+            let turns = !chain.rows[*row].prismatic;
+            if turns { ((a - b + PI).rem_euclid(2.0 * PI) - PI).abs() } else { (a - b).abs() }
         });
         nearest = nearest.min(apart.fold(0.0, f64::max));
     }

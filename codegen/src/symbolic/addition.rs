@@ -57,6 +57,19 @@ impl Arena {
         Some(sum)
     }
 
+    /// Of a constant turn: exact numbers, or numbers of the table.
+    pub(super) fn constant_sin_cos(&mut self, suffix: &str, form: &AngleForm) -> (Expr, Expr) {
+        if let Some((sin, cos)) = form.turn.exact() {
+            return (self.number(sin), self.number(cos));
+        }
+        let angle = form.turn.value();
+        let suffix = if suffix.is_empty() { "0" } else { suffix };
+        let sin = self.parameter(&format!("s{suffix}"), libm::sin(angle), 0, &format!("sine of {angle} rad"));
+        let cos =
+            self.parameter(&format!("c{suffix}"), libm::cos(angle), 0, &format!("cosine of {angle} rad"));
+        (sin, cos)
+    }
+
     fn added(&mut self, (s1, c1): (Expr, Expr), (s2, c2): (Expr, Expr)) -> (Expr, Expr) {
         let (first, second) = (self.mul(s1, c2), self.mul(c1, s2));
         let sin = self.add(first, second);

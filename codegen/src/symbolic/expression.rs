@@ -167,18 +167,6 @@ impl Arena {
         if flipped { (self.neg(sin), cos) } else { (sin, cos) }
     }
 
-    fn constant_sin_cos(&mut self, suffix: &str, form: &AngleForm) -> (Expr, Expr) {
-        if let Some((sin, cos)) = form.turn.exact() {
-            return (self.number(sin), self.number(cos));
-        }
-        let angle = form.turn.value();
-        let suffix = if suffix.is_empty() { "0" } else { suffix };
-        let sin = self.parameter(&format!("s{suffix}"), libm::sin(angle), 0, &format!("sine of {angle} rad"));
-        let cos =
-            self.parameter(&format!("c{suffix}"), libm::cos(angle), 0, &format!("cosine of {angle} rad"));
-        (sin, cos)
-    }
-
     /// -x
     pub fn neg(&mut self, x: Expr) -> Expr {
         match self.node(x) {

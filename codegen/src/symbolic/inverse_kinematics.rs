@@ -8,6 +8,7 @@
 mod atoms;
 mod candidates;
 mod closure;
+mod expansion;
 /// Problems without a closed form as chains of six joints.
 pub mod general;
 mod polynomial;

@@ -8,7 +8,7 @@ use super::atoms::{AngleData, Atoms};
 use super::polynomial::{Overflow, Polynomial};
 use super::tracked::{Seen, Tracked};
 use super::unknowns::{Free, Unknowns};
-use super::walk::{Vector, Walker};
+use super::walk::{Step, Vector, Walker};
 use crate::model::{JointKind, Model, Target};
 use crate::symbolic::expression::{Arena, Expr, Leaf};
 use crate::symbolic::number::Number;
@@ -141,24 +141,24 @@ impl Walker<'_> {
     ) -> Result<(), Trouble> {
         let steps = self.steps(plain)?;
         let last = steps.len().saturating_sub(1);
-        // From the tip: the vector in the frame before each joint, the tip first.
-        let mut inner = tracked.tip.clone();
+        // From the tip: the vector in the frame before each joint, the tip first, as far as it stays short.
+        let mut inner = Some(tracked.tip.clone());
         let mut from_tip = Vec::new();
         for (index, (joint, link)) in steps.iter().enumerate().rev() {
             if !(index == last && !tracked.whole && index > 0) {
-                for step in link.iter().rev() {
-                    inner = self.carry(step, inner, tracked.point, false)?;
-                }
+                inner = self.through(link.iter().rev(), inner, tracked.point, false);
             }
             if let Some(joint) = joint {
-                inner = self.carry(joint, inner, tracked.point, false)?;
-                from_tip.push((index, inner.clone()));
+                inner = self.through([joint].into_iter(), inner, tracked.point, false);
+                from_tip.extend(inner.clone().map(|inner| (index, inner)));
             }
         }
         from_tip.reverse();
-        let mut outer = tracked.target.clone();
+        let mut known = Some(tracked.target.clone());
         let mut norms = Vec::new();
         for (index, (joint, link)) in steps.iter().enumerate() {
+            let Some(outer) = known.take() else { break };
+            let mut next = Some(outer.clone());
             if let Some(joint) = joint {
                 let frame = plain.joints.get(index.wrapping_sub(1)).map_or(0, |joint| joint.row);
                 if let Some((_, inner)) = from_tip.iter().find(|(at, _)| *at == index) {
@@ -177,20 +177,19 @@ impl Walker<'_> {
                         });
                     }
                     if tracked.point {
-                        norms.push((frame, squared(&outer)?, squared(inner)?));
+                        norms.push((frame, squared(&outer).unwrap_or(None), squared(inner).unwrap_or(None)));
                     }
                 }
                 *group += 1;
-                outer = self.carry(joint, outer, tracked.point, true)?;
+                next = self.through([joint].into_iter(), next, tracked.point, true);
             }
             if index == last && joint.is_some() {
                 break;
             }
             if index > 0 || !tracked.after_base {
-                for step in link {
-                    outer = self.carry(step, outer, tracked.point, true)?;
-                }
+                next = self.through(link.iter(), next, tracked.point, true);
             }
+            known = next;
         }
         // Where axes meet, a distance knows less of the joints than the coordinates do.
         for (frame, outer, inner) in norms {
@@ -208,6 +207,21 @@ impl Walker<'_> {
             }
         }
         Ok(())
+    }
+
+    /// A vector through steps, unless it grows so long there that no row of it can have one unknown.
+    fn through<'s, 'p: 's>(
+        &mut self,
+        steps: impl Iterator<Item = &'s Step<'p>>,
+        v: Option<Vector>,
+        point: bool,
+        inward: bool,
+    ) -> Option<Vector> {
+        let mut v = v?;
+        for step in steps {
+            v = self.carry(step, v, point, inward).ok()?;
+        }
+        v.iter().any(|entry| entry.len() <= LONGEST_ROW).then_some(v)
     }
 
     /// The heading of the tool's x axis in the base frame is the yaw.
@@ -244,10 +258,10 @@ impl Walker<'_> {
 }
 
 /// Longer rows are not made equations: they never have one unknown.
-const LONGEST_ROW: usize = 96;
+const LONGEST_ROW: usize = 192;
 
 /// Vectors with longer entries are not squared.
-const LONGEST_SQUARED: usize = 12;
+const LONGEST_SQUARED: usize = 24;
 
 /// x^2 + y^2 + z^2, unless it would be too long.
 fn squared(v: &Vector) -> Result<Option<Polynomial>, Overflow> {

@@ -1,7 +1,8 @@
 //! Steps with polynomial coefficients -> steps with expressions, names and text.
 
 use super::atoms::{AngleData, Source};
-use super::polynomial::{Atom, Key, Polynomial};
+use super::expansion::{Factor, Term, expanded, factors};
+use super::polynomial::{Atom, Polynomial};
 use super::roots::{by_roots, linear};
 use super::search::{Found, Solved, State, Unknown};
 use super::unknowns::{Given, Unknowns};
@@ -9,7 +10,6 @@ use super::{Derivation, Linear, Stage, StageEquation, tool};
 use crate::model::{JointKind, Model, Problem};
 use crate::symbolic::angle::{AngleForm, Turn};
 use crate::symbolic::expression::{Arena, Expr, Leaf};
-use crate::symbolic::number::Number;
 use crate::symbolic::{chain, text};
 use std::collections::BTreeMap;
 
@@ -59,16 +59,6 @@ struct Writer<'a> {
     /// Names of abbreviations that earlier steps defined.
     defined: std::collections::BTreeSet<String>,
 }
-
-/// A factor of a term.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-enum Factor {
-    Atom(Atom),
-    Trig(Vec<i16>, bool),
-}
-
-/// A coefficient and what it multiplies.
-type Term = (Number, Vec<Factor>);
 
 impl Writer<'_> {
     fn stage(&mut self, index: usize, found: &Found) -> Stage {
@@ -339,59 +329,6 @@ impl Writer<'_> {
         let name = format!("{}{constants}", suffix(&rows));
         self.arena.sin_cos(name.trim_start_matches('_'), &form)
     }
-}
-
-/// Sines and cosines of sums as products of those of the single angles, by the addition theorems; `None` where the
-/// integers overflow. Multiples of one angle stay as they are.
-fn expanded(polynomial: &Polynomial) -> Option<Vec<Term>> {
-    let mut collected: BTreeMap<Vec<Factor>, Number> = BTreeMap::new();
-    for (key, number) in polynomial.terms() {
-        let plain =
-            Key { frequency: vec![0; key.frequency.len()], sine: false, monomial: key.monomial.clone() };
-        let atoms = factors(&plain);
-        // (number, factors) of the cosine and of the sine of the angles so far.
-        let mut cos: Vec<Term> = vec![(Number::ONE, Vec::new())];
-        let mut sin: Vec<Term> = Vec::new();
-        for (at, k) in key.frequency.iter().enumerate().filter(|(_, k)| **k != 0) {
-            let mut own = vec![0; key.frequency.len()];
-            if let Some(entry) = own.get_mut(at) {
-                *entry = k.abs();
-            }
-            let sign = if *k < 0 { Number::integer(-1) } else { Number::ONE };
-            let (s, c) = (Factor::Trig(own.clone(), true), Factor::Trig(own, false));
-            let next_cos = [times(&cos, &c, Number::ONE)?, times(&sin, &s, -sign)?].concat();
-            let next_sin = [times(&sin, &c, Number::ONE)?, times(&cos, &s, sign)?].concat();
-            (cos, sin) = (next_cos, next_sin);
-        }
-        for (factor, mut list) in if key.sine { sin } else { cos } {
-            list.extend(atoms.iter().cloned());
-            list.sort();
-            let entry = collected.entry(list).or_insert(Number::ZERO);
-            *entry = entry.checked_add(factor.checked_mul(number)?)?;
-        }
-    }
-    Some(collected.into_iter().filter(|(_, n)| !n.is_zero()).map(|(list, n)| (n, list)).collect())
-}
-
-fn times(terms: &[Term], factor: &Factor, by: Number) -> Option<Vec<Term>> {
-    let one = |(number, list): &Term| {
-        let mut list = list.clone();
-        list.push(factor.clone());
-        Some((number.checked_mul(by)?, list))
-    };
-    terms.iter().map(one).collect()
-}
-
-fn factors(key: &Key) -> Vec<Factor> {
-    let mut factors: Vec<Factor> = key
-        .monomial
-        .iter()
-        .flat_map(|(atom, power)| std::iter::repeat_n(Factor::Atom(*atom), usize::from(*power)))
-        .collect();
-    if key.frequency.iter().any(|k| *k != 0) {
-        factors.push(Factor::Trig(key.frequency.clone(), key.sine));
-    }
-    factors
 }
 
 /// `23`, `2m3`; a multiple is written before its row: `2x3`.
