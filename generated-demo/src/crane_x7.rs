@@ -246,14 +246,14 @@ impl CraneX7 {
     /// theta5:   s6 c5 = zx4_2
     ///           s6 s5 = zz3_2
     ///           (rows 1 and 2 of the z axis in frame 4)
-    /// theta7:   (c6 (c3 s5 + c4 s3 c5) - s4 s3 s6) c7 + (c3 c5 - c4 s3 s5) s7 = -xz1
-    ///           (c3 c5 - c4 s3 s5) c7 - (c6 (c3 s5 + c4 s3 c5) - s4 s3 s6) s7 = -yz1
-    ///           xz1 = r11 s1 - r21 c1
-    ///           yz1 = r12 s1 - r22 c1
-    ///           (row 3 of the x axis in frame 1; row 3 of the y axis in frame 1)
+    /// theta7:   (s2 (c6 (s3 s5 - c4 c3 c5) + s4 c3 s6) - c2 (s4 c6 c5 + c4 s6)) c7 + (s2 (c4 c3
+    ///           s5 + s3 c5) + c2 s4 s5) s7 = -r31
+    ///           (s2 (c4 c3 s5 + s3 c5) + c2 s4 s5) c7 - (s2 (c6 (s3 s5 - c4 c3 c5) + s4 c3 s6) -
+    ///           c2 (s4 c6 c5 + c4 s6)) s7 = -r32
+    ///           (row 3 of the x axis in frame 0; row 3 of the y axis in frame 0)
     /// ```
     ///
-    /// Besides solving, on each branch: 124 multiplications, 64 additions, 1 sine-cosine pair.
+    /// Besides solving, on each branch: 128 multiplications, 65 additions, 1 sine-cosine pair.
     ///
     /// # Errors
     ///
@@ -876,7 +876,7 @@ fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError>
     const THETA7: Step = Step::new(5, 0b100_0000, false, Measure::Ratio);
 
     let pose = target.validate_pose()?;
-    let [r11, r12, r13, px, r21, r22, r23, py, _, _, r33, pz] = pose.rows();
+    let [_, _, r13, px, _, _, r23, py, r31, r32, r33, pz] = pose.rows();
     let [q3] = *free;
     let mut search = Search::new(REACH, &WINDINGS);
     let (s3, c3) = Float::sin_cos(q3);
@@ -920,16 +920,16 @@ fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError>
                     // theta5: s6 c5 = zx4_2; s6 s5 = zz3_2 (rows 1 and 2 of the z axis in frame 4)
                     let mut roots = search.trig_pair(THETA5, [s6, 0.0, zx4_2], [0.0, s6, zz3_2]);
                     while let Some((theta5, s5, c5)) = search.next_angle(&mut roots) {
-                        let t8 = c6 * (c3 * s5 + c4 * (s3 * c5)) - s4 * (s3 * s6);
-                        let t9 = c3 * c5 - c4 * (s3 * s5);
-                        let xz1 = r11 * s1 - r21 * c1;
-                        let yz1 = r12 * s1 - r22 * c1;
+                        let t8 = s2 * (c6 * (s3 * s5 - c4 * (c3 * c5)) + s4 * (c3 * s6))
+                            - c2 * (s4 * (c6 * c5) + c4 * s6);
+                        let t9 = s2 * (c4 * (c3 * s5) + s3 * c5) + c2 * (s4 * s5);
 
-                        // theta7: (c6 (c3 s5 + c4 s3 c5) - s4 s3 s6) c7 + (c3 c5 - c4 s3 s5) s7 =
-                        // -xz1; (c3 c5 - c4 s3 s5) c7 - (c6 (c3 s5 + c4 s3 c5) - s4 s3 s6) s7 =
-                        // -yz1
-                        // (row 3 of the x axis in frame 1; row 3 of the y axis in frame 1)
-                        let mut roots = search.trig_pair(THETA7, [t8, t9, -xz1], [t9, -t8, -yz1]);
+                        // theta7: (s2 (c6 (s3 s5 - c4 c3 c5) + s4 c3 s6) - c2 (s4 c6 c5 + c4 s6))
+                        // c7 + (s2 (c4 c3 s5 + s3 c5) + c2 s4 s5) s7 = -r31; (s2 (c4 c3 s5 + s3 c5)
+                        // + c2 s4 s5) c7 - (s2 (c6 (s3 s5 - c4 c3 c5) + s4 c3 s6) - c2 (s4 c6 c5 +
+                        // c4 s6)) s7 = -r32
+                        // (row 3 of the x axis in frame 0; row 3 of the y axis in frame 0)
+                        let mut roots = search.trig_pair(THETA7, [t8, t9, -r31], [t9, -t8, -r32]);
                         while let Some((theta7, s7, c7)) = search.next_angle(&mut roots) {
                             let t10 = c1 * c2;
                             let t11 = s3 * s1 - c3 * t10;

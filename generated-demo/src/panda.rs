@@ -248,16 +248,18 @@ impl Panda {
     /// theta3:   s2 c3 = zx3_2
     ///           s2 s3 = -zz3
     ///           (rows 1 and 3 of the base's z axis in frame 3)
-    /// theta1:   s2 c1 = -xz2_2
-    ///           s2 s1 = -yz2_2
-    ///           xz2 = c4 (s6 (r12 s7 - r11 c7) + r13 c6)
-    ///           xz2_2 = s4 (c5 (c6 (r12 s7 - r11 c7) - r13 s6) - s5 (r11 s7 + r12 c7)) + xz2
-    ///           yz2 = c4 (s6 (r22 s7 - r21 c7) + r23 c6)
-    ///           yz2_2 = s4 (c5 (c6 (r22 s7 - r21 c7) - r23 s6) - s5 (r21 s7 + r22 c7)) + yz2
-    ///           (row 3 of the base's x axis in frame 2; row 3 of the base's y axis in frame 2)
+    /// theta1:   s1 = xz1
+    ///           c1 = -yz1
+    ///           xz1 = s3 (c4 (c5 (c6 (r12 s7 - r11 c7) - r13 s6) - s5 (r11 s7 + r12 c7)) - s4
+    ///           (s6 (r12 s7 - r11 c7) + r13 c6)) + c3 (s5 (c6 (r12 s7 - r11 c7) - r13 s6) + c5
+    ///           (r11 s7 + r12 c7))
+    ///           yz1 = s3 (c4 (c5 (c6 (r22 s7 - r21 c7) - r23 s6) - s5 (r21 s7 + r22 c7)) - s4
+    ///           (s6 (r22 s7 - r21 c7) + r23 c6)) + c3 (s5 (c6 (r22 s7 - r21 c7) - r23 s6) + c5
+    ///           (r21 s7 + r22 c7))
+    ///           (row 3 of the base's x axis in frame 1; row 3 of the base's y axis in frame 1)
     /// ```
     ///
-    /// Besides solving, on each branch: 154 multiplications, 89 additions, 1 sine-cosine pair.
+    /// Besides solving, on each branch: 162 multiplications, 93 additions, 1 sine-cosine pair.
     ///
     /// # Errors
     ///
@@ -828,19 +830,20 @@ fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError>
                     let mut roots = search.trig_pair(THETA3, [s2, 0.0, zx3_2], [0.0, s2, -zz3]);
                     while let Some((theta3, s3, c3)) = search.next_angle(&mut roots) {
                         let t12 = r12 * s7 - r11 * c7;
-                        let xz2 = c4 * (s6 * t12 + r13 * c6);
-                        let xz2_2 =
-                            s4 * (c5 * (c6 * t12 - r13 * s6) - s5 * (r11 * s7 + r12 * c7)) + xz2;
-                        let t13 = r22 * s7 - r21 * c7;
-                        let yz2 = c4 * (s6 * t13 + r23 * c6);
-                        let yz2_2 =
-                            s4 * (c5 * (c6 * t13 - r23 * s6) - s5 * (r21 * s7 + r22 * c7)) + yz2;
+                        let t13 = c6 * t12 - r13 * s6;
+                        let t14 = r11 * s7 + r12 * c7;
+                        let xz1 = s3 * (c4 * (c5 * t13 - s5 * t14) - s4 * (s6 * t12 + r13 * c6))
+                            + c3 * (s5 * t13 + c5 * t14);
+                        let t15 = r22 * s7 - r21 * c7;
+                        let t16 = c6 * t15 - r23 * s6;
+                        let t17 = r21 * s7 + r22 * c7;
+                        let yz1 = s3 * (c4 * (c5 * t16 - s5 * t17) - s4 * (s6 * t15 + r23 * c6))
+                            + c3 * (s5 * t16 + c5 * t17);
 
-                        // theta1: s2 c1 = -xz2_2; s2 s1 = -yz2_2
-                        // (row 3 of the base's x axis in frame 2; row 3 of the base's y axis in
-                        // frame 2)
-                        let mut roots =
-                            search.trig_pair(THETA1, [s2, 0.0, -xz2_2], [0.0, s2, -yz2_2]);
+                        // theta1: s1 = xz1; c1 = -yz1
+                        // (row 3 of the base's x axis in frame 1; row 3 of the base's y axis in
+                        // frame 1)
+                        let mut roots = search.trig_pair(THETA1, [0.0, 1.0, xz1], [1.0, 0.0, -yz1]);
                         while let Some((theta1, s1, c1)) = search.next_angle(&mut roots) {
                             let r11_5 = c7 * c6;
                             let r11_4 = s7 * s5 + r11_5 * c5;
@@ -869,17 +872,17 @@ fn solve_pose(target: &Target, free: &[f64; 1]) -> Result<Solutions<7>, IkError>
                             let r23_2 = s3 * r13_3 + r23_4 * c3;
                             let x5_v2 = A7 * c6 + D7 * s6;
                             let x4 = c5 * x5_v2;
-                            let t14 = x4 + A5;
+                            let t18 = x4 + A5;
                             let y5 = A7 * s6 - D7 * c6;
                             let z4_v2 = y5 + D5;
-                            let x3 = c4 * t14 - s4 * z4_v2;
-                            let t15 = x3 + A4;
+                            let x3 = c4 * t18 - s4 * z4_v2;
+                            let t19 = x3 + A4;
                             let y4 = s5 * x5_v2;
-                            let x2 = c3 * t15 - s3 * y4;
-                            let y3 = s4 * t14 + c4 * z4_v2;
+                            let x2 = c3 * t19 - s3 * y4;
+                            let y3 = s4 * t18 + c4 * z4_v2;
                             let z2 = y3 + D3;
                             let x1 = c2 * x2 + s2 * z2;
-                            let y2 = s3 * t15 + c3 * y4;
+                            let y2 = s3 * t19 + c3 * y4;
                             let r21_1 = s2 * r11_2 - c2 * r21_3;
                             let r22_1 = s2 * r12_2 - c2 * r22_3;
                             let r23_1 = s2 * r13_2 + c2 * nr23_3;
