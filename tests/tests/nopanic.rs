@@ -54,13 +54,25 @@ codegen-units = 1
     )
 }
 
+/// A method, from its name on, as a pointer; one that takes free values in any form, with an array of them.
+fn pointer(method: &str) -> String {
+    let (name, rest) = method.split_once('(').expect("a parameter list");
+    let (parameters, _) = rest.split_once("->").unwrap_or((rest, ""));
+    let Some((before, count)) = parameters.split_once("impl FreeValues<") else {
+        return format!("{name} as *const ()");
+    };
+    let count = count.split('>').next().unwrap_or("1");
+    let others = "_, ".repeat(before.matches(',').count());
+    format!("{name} as fn({others}[f64; {count}]) -> _ as *const ()")
+}
+
 /// The code of an arm, and a function that hands out everything in it.
 fn arm(name: &str) -> (String, String) {
     let table = dh_robots::table(name).expect("a shipped table");
     let output = dh_codegen::compile(table, Level::Quick).output.expect("shipped tables have no mistakes");
     let code =
         print(&output.model, &output.plan, &Options { name: Some("Arm".to_owned()), ..Options::default() });
-    let methods = code.lines().filter_map(|line| line.strip_prefix("    pub fn ")?.split('(').next());
+    let methods = code.split("\n    pub fn ").skip(1).map(pointer);
     let mut keep = format!(
         "mod {name};
 #[unsafe(no_mangle)]
@@ -73,7 +85,7 @@ pub extern \"C\" fn methods_{name}(which: usize) -> *const () {{
 "
     );
     for (i, method) in methods.enumerate() {
-        writeln!(keep, "        {i} => {name}::Arm::{method} as *const (),").expect("a string takes it");
+        writeln!(keep, "        {i} => {name}::Arm::{method},").expect("a string takes it");
     }
     keep += "        _ => core::ptr::null(),\n    }\n}\n";
     (code, keep)
