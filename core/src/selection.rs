@@ -25,7 +25,7 @@ impl<const N: usize, S: Float> Solutions<N, S> {
         position_of: impl Fn(&[S; N]) -> [S; 3],
         seed: Option<&[S; N]>,
     ) -> Result<Self, IkError<S>> {
-        let mut allowed = Self::empty();
+        let mut allowed = Self::EMPTY;
         let mut refusal: Option<Refusal<S>> = None;
         for solution in &self {
             let verdict = representative(solution, rules, seed).and_then(|q| {
