@@ -79,6 +79,14 @@ impl<S: Float> Roots<S> {
         self.left == 0
     }
 
+    /// The same roots, out of the memory that a function returned them in: what is written to there cannot be kept in
+    /// registers.
+    #[inline]
+    pub(super) const fn unpacked(self) -> Self {
+        let Self { form, left, first: [a, b], second: [c, d], opposite, angle } = self;
+        Self { form, left, first: [a, b], second: [c, d], opposite, angle }
+    }
+
     #[inline]
     fn take(&mut self) -> Option<Root<S>> {
         if self.left == 0 {
@@ -118,7 +126,8 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     }
 
     /// The same for an angle (rad), with its sine and cosine.
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "a call would put the roots into memory")]
     pub fn next_angle(&mut self, roots: &mut Roots<S>) -> Option<(S, S, S)> {
         match roots.form {
             Form::Angles => {

@@ -42,7 +42,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         if rest > S::from_f64(WELL_INSIDE) * square && square > scale.tolerance * scale.tolerance {
             return both(a, b, c, rest.sqrt(), S::ONE / square);
         }
-        self.trig_at_edge(step, [a, b, c], &scale)
+        self.trig_at_edge(step, [a, b, c], &scale).unpacked()
     }
 
     /// The angles x (rad) with a cos x + b sin x = c, where a² + b² is 1 and c is a coordinate of a unit vector whose
@@ -57,7 +57,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             let unit = S::ONE - off / S::TWO;
             return both(a, b, c * unit, rest.sqrt() * unit, S::ONE);
         }
-        self.trig_at_pole(step, [a, b, c], rest.sqrt(), &scale)
+        self.trig_at_pole(step, [a, b, c], rest.sqrt(), &scale).unpacked()
     }
 
     /// The angle x (rad) with a1 cos x + b1 sin x = c1 and a2 cos x + b2 sin x = c2.
@@ -84,7 +84,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
                 return Roots::angle([sin * unit, cos * unit]);
             }
         }
-        self.trig_pair_with_care(step, first, second, &scale)
+        self.trig_pair_with_care(step, first, second, &scale).unpacked()
     }
 
     /// [`Search::trig`] where its fast way doesn't apply.
