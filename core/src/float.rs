@@ -98,11 +98,22 @@ pub trait Float:
 }
 
 /// The value in (-period/2, period/2] that differs from `value` by a whole number of periods.
+#[inline]
 pub(crate) fn wrap<S: Float>(value: S, period: S) -> S {
     let half = period / S::TWO;
-    if value > -half && value <= half {
-        return value;
+    if value.abs() < half + period {
+        // Sums of two angles are on either side of the ends about as often as between them: a table instead of branches.
+        let [above, below] = [value > half, value <= -half].map(usize::from);
+        return value - [S::ZERO, period, -period, S::ZERO][(above + 2 * below) & 3];
     }
+    wrap_far(value, period)
+}
+
+/// [`wrap`], of values that are more than one period off.
+#[cold]
+#[inline(never)]
+fn wrap_far<S: Float>(value: S, period: S) -> S {
+    let half = period / S::TWO;
     let wrapped = value - ((value - half) / period).ceil() * period;
     // The quotient is rounded: next to the ends it may be off by one.
     if wrapped <= -half {

@@ -125,14 +125,14 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     /// Where nothing was: the failure of the branch that came furthest; of several at the same step, the one that
     /// failed by least.
     #[inline]
-    pub fn finish(mut self) -> Result<Solutions<N, S>, IkError<S>> {
+    pub fn finish(&mut self) -> Result<Solutions<N, S>, IkError<S>> {
         if self.polished {
             self.solutions.drop_misses(self.reach);
         }
         if self.solutions.is_empty() {
             return Err(self.failure.map_or(IkError::NotFinite, |failure| failure.error));
         }
-        Ok(self.solutions)
+        Ok(self.solutions.clone())
     }
 
     fn fail(&mut self, depth: u32, miss: S, error: IkError<S>) {
