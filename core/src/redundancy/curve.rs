@@ -1,6 +1,6 @@
 //! The curve of joint values that keep a pose, point by point: back onto it, along it, towards a seed, to a limit.
 
-use crate::frame::{cross, sub};
+use crate::frame::{cross, norm, sub};
 use crate::{Float, Frame};
 
 /// How often joint values are moved before they are given up: each move squares what is left of the error.
@@ -41,70 +41,112 @@ where
     S: Float,
     F: Fn(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
 {
-    /// The linear equations J dq = e by modified Gram-Schmidt on the rows of J.
+    /// The Jacobian's rows (reaches and rad) and what joint values are off by in them.
+    fn rows(&self, tool: &Frame<S>, columns: &[[S; 6]; N]) -> ([[S; N]; 6], [S; 6]) {
+        let p = self.per_reach;
+        let [px, py, pz] = sub(self.pose.translation, tool.translation).map(|x| x * p);
+        let [wx, wy, wz] = turn(tool, self.pose);
+        let mut rows = [[S::ZERO; N]; 6];
+        let [r1, r2, r3, r4, r5, r6] = &mut rows;
+        let entries = r1.iter_mut().zip(r2).zip(r3).zip(r4).zip(r5).zip(r6);
+        for ((((((e1, e2), e3), e4), e5), e6), [vx, vy, vz, ax, ay, az]) in entries.zip(columns) {
+            (*e1, *e2, *e3) = (*vx * p, *vy * p, *vz * p);
+            (*e4, *e5, *e6) = (*ax, *ay, *az);
+        }
+        (rows, [px, py, pz, wx, wy, wz])
+    }
+
+    /// The linear equations J dq = e.
     pub(super) fn local(&self, q: &[S; N]) -> Local<N, S> {
         let (tool, columns) = (self.state)(q);
-        let [px, py, pz] = sub(self.pose.translation, tool.translation).map(|x| x * self.per_reach);
-        let [wx, wy, wz] = turn(&tool, self.pose);
-        let error = [px, py, pz, wx, wy, wz];
-        let p = self.per_reach;
-        let mut rows = [[S::ZERO; N]; 6];
-        for (place, [vx, vy, vz, ax, ay, az]) in columns.into_iter().enumerate() {
-            for (row, entry) in rows.iter_mut().zip([vx * p, vy * p, vz * p, ax, ay, az]) {
-                if let Some(slot) = row.get_mut(place) {
-                    *slot = entry;
-                }
-            }
-        }
+        let (rows, error) = self.rows(&tool, &columns);
+        let Factors { rows, triangle } = Factors::of(rows);
         let mut parts = [S::ZERO; 6];
         let mut correction = [S::ZERO; N];
-        for (place, error) in error.into_iter().enumerate() {
-            let (done, rest) = rows.split_at_mut(place);
-            let (Some(row), Some(part)) = (rest.first_mut(), parts.get(..place)) else { break };
+        for (place, ((row, shares), error)) in rows.iter().zip(&triangle).zip(error).enumerate() {
             let mut left = error;
-            for (basis, part) in done.iter().zip(part) {
-                let share = dot(row, basis);
-                add(row, basis, -share);
-                left -= share * *part;
+            for (share, part) in shares.iter().zip(&parts).take(place) {
+                left -= *share * *part;
             }
-            let length = dot(row, row).sqrt();
-            let inverse = if length > S::from_f64(VANISHING) { S::ONE / length } else { S::ZERO };
-            for x in row.iter_mut() {
-                *x *= inverse;
-            }
-            add(&mut correction, row, left * inverse);
+            let part = left * shares.get(place).copied().unwrap_or(S::ZERO);
+            add(&mut correction, row, part);
             if let Some(slot) = parts.get_mut(place) {
-                *slot = left * inverse;
+                *slot = part;
             }
         }
         Local { correction, tangent: self.across(&rows) }
     }
 
-    /// The direction across orthonormal rows: what they leave of the joint that takes the least part in them.
+    /// The direction across orthonormal rows: what they leave of the joint that takes the least part in them, which is
+    /// so much that nothing is lost.
     fn across(&self, rows: &[[S; N]; 6]) -> [S; N] {
-        let mut least: Option<(usize, S)> = None;
-        for joint in 0..self.dof.min(N) {
-            let part = rows.iter().filter_map(|row| row.get(joint)).fold(S::ZERO, |sum, x| sum + *x * *x);
-            if least.is_none_or(|(_, least)| part < least) {
-                least = Some((joint, part));
+        let mut parts = [S::ZERO; N];
+        for row in rows {
+            parts.iter_mut().zip(row).for_each(|(part, x)| *part += *x * *x);
+        }
+        let mut least = (0, S::INFINITY);
+        for (joint, part) in parts.iter().enumerate().take(self.dof) {
+            if *part < least.1 {
+                least = (joint, *part);
             }
         }
         let mut tangent = [S::ZERO; N];
-        if let Some(slot) = least.and_then(|(joint, _)| tangent.get_mut(joint)) {
+        if let Some(slot) = tangent.get_mut(least.0) {
             *slot = S::ONE;
         }
-        // Twice, since the first time rounding leaves something of the rows.
-        for _ in 0..2 {
-            for row in rows {
-                let share = dot(&tangent, row);
-                add(&mut tangent, row, -share);
+        for row in rows {
+            let share = row.get(least.0).copied().unwrap_or(S::ZERO);
+            add(&mut tangent, row, -share);
+        }
+        let inverse = S::ONE / dot(&tangent, &tangent).sqrt();
+        tangent.map(|x| x * inverse)
+    }
+
+    /// Whether no point of any curve is nearer to the seed than a bottom of one, at this distance.
+    ///
+    /// With the bottom's offset from the seed Jᵀλ (across its curve), another solution, v away from it, is at a squared
+    /// distance of D² + |v|² - 2 λ·r, where r is what the forward kinematics of it has beyond its linear part J v: the
+    /// second-order condition of Lagrange multipliers, made one for every v up to 2 D by a bound on r. That is |v|²/2 times
+    /// a bound on second derivatives: of the position in q_i and q_j, i <= j, the length of the Jacobian's column j; of the
+    /// orientation 1 for each pair of joints. Third derivatives add at most the second ones times twice the sum of angles.
+    pub(super) fn is_nearest(
+        &self,
+        q: &[S; N],
+        (tool, columns): &(Frame<S>, [[S; 6]; N]),
+        distance: S,
+    ) -> bool {
+        let (rows, _) = self.rows(tool, columns);
+        let Factors { rows, triangle } = Factors::of(rows);
+        let mut offset = *q;
+        add(&mut offset, self.seed, -S::ONE);
+        // The transposed triangle, from its last row up.
+        let mut multipliers = [S::ZERO; 6];
+        for place in (0..6).rev() {
+            let mut left = rows.get(place).map_or(S::ZERO, |row| dot(row, &offset));
+            for (shares, found) in triangle.iter().zip(&multipliers).skip(place + 1) {
+                left -= shares.get(place).map_or(S::ZERO, |share| *share * *found);
             }
-            let length = dot(&tangent, &tangent).sqrt();
-            for x in &mut tangent {
-                *x /= length;
+            let inverse = triangle.get(place).and_then(|shares| shares.get(place));
+            if let (Some(slot), Some(inverse)) = (multipliers.get_mut(place), inverse) {
+                // A row that vanishes bounds nothing.
+                *slot = if *inverse > S::ZERO { left * *inverse } else { S::INFINITY };
             }
         }
-        tangent
+        let [l1, l2, l3, l4, l5, l6] = multipliers;
+        let [at, turned] = [[l1, l2, l3], [l4, l5, l6]].map(norm);
+        // From the last joint to the first: the greatest column from there on, and the greatest sum of a row of bounds.
+        let (mut longest, mut behind, mut position) = (S::ZERO, S::ZERO, S::ZERO);
+        let joints = S::from_f64(self.dof as f64);
+        let mut place = joints;
+        for [vx, vy, vz, ..] in columns.iter().take(self.dof).rev() {
+            longest = longest.max(norm([*vx, *vy, *vz]) * self.per_reach);
+            position = position.max(place * longest + behind);
+            behind += longest;
+            place -= S::ONE;
+        }
+        let rotation = (joints - S::ONE) / S::TWO;
+        let angles = S::TWO * joints.sqrt() * distance;
+        (at * position + turned * rotation) * (S::ONE + S::TWO * angles) <= S::ONE
     }
 
     /// The point of the curve from which the seed is nearest, downhill from some joint values.
@@ -177,6 +219,37 @@ where
             }
         }
         None
+    }
+}
+
+/// Rows as a triangular matrix times orthonormal rows, by modified Gram-Schmidt.
+struct Factors<const N: usize, S> {
+    rows: [[S; N]; 6],
+    /// Below its diagonal; on the diagonal the inverse, 0 where a row vanishes.
+    triangle: [[S; 6]; 6],
+}
+
+impl<const N: usize, S: Float> Factors<N, S> {
+    fn of(mut rows: [[S; N]; 6]) -> Self {
+        let mut triangle = [[S::ZERO; 6]; 6];
+        for (place, shares) in triangle.iter_mut().enumerate() {
+            let (done, rest) = rows.split_at_mut(place);
+            let Some(row) = rest.first_mut() else { break };
+            for (basis, slot) in done.iter().zip(shares.iter_mut()) {
+                let share = dot(row, basis);
+                add(row, basis, -share);
+                *slot = share;
+            }
+            let length = dot(row, row).sqrt();
+            let inverse = if length > S::from_f64(VANISHING) { S::ONE / length } else { S::ZERO };
+            for x in row.iter_mut() {
+                *x *= inverse;
+            }
+            if let Some(slot) = shares.get_mut(place) {
+                *slot = inverse;
+            }
+        }
+        Self { rows, triangle }
     }
 }
 

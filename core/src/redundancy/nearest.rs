@@ -55,6 +55,8 @@ struct Nearest<'r, const N: usize, S, F> {
     bottoms: [Option<[S; N]>; BOTTOMS],
     /// Whether the way from some sample led to a bottom that was known.
     returned: bool,
+    /// Whether no solution is nearer than the best that is known.
+    certain: bool,
     /// Why what was found isn't allowed.
     refusal: Option<IkError<S>>,
 }
@@ -112,6 +114,7 @@ impl<S: Float> Redundancy<'_, S> {
             best: None,
             bottoms: [None; BOTTOMS],
             returned: false,
+            certain: false,
             refusal: None,
         };
         let own = seed.get(self.joint).copied().unwrap_or(S::ZERO);
@@ -141,6 +144,9 @@ where
     ) {
         if let Some(bottom) = self.curve.nearest_point(self.curve.seed) {
             self.bottom(self.curve.seed, &bottom, false);
+            if self.certain {
+                return;
+            }
         }
         let mut sample = |search: &mut Self, value: S, half: S| {
             let solutions = match at(value) {
@@ -248,7 +254,7 @@ where
 
     /// The bottom of the curve downhill from somewhere; where it isn't allowed, the ends of what is.
     fn bottom(&mut self, from: &[S; N], bottom: &[S; N], on_curve: bool) {
-        if self.consider(bottom) {
+        if self.consider(bottom, true) {
             if self.bottoms.iter().flatten().any(|known| travel(known, bottom).sqrt() <= S::SQRT_EPSILON) {
                 self.returned = true;
             } else if let Some(slot) = self.bottoms.iter_mut().find(|slot| slot.is_none()) {
@@ -275,25 +281,27 @@ where
         for outside in points.into_iter().flatten().map(&value).filter(|own| !limits.contains(*own)) {
             for start in points.into_iter().flatten() {
                 if let Some(end) = self.curve.crossing(start, &value, limits.clamp(outside)) {
-                    self.consider(&end);
+                    self.consider(&end, false);
                 }
             }
         }
     }
 
-    /// Takes joint values on the curve for the best where they are; whether they are allowed.
-    fn consider(&mut self, q: &[S; N]) -> bool {
+    /// Takes joint values on the curve, maybe a bottom of it, for the best where they are; whether they are allowed.
+    fn consider(&mut self, q: &[S; N], bottom: bool) -> bool {
         if !self.rules.allow_joints(q) {
             return false;
         }
         let distance = travel(q, self.curve.seed).sqrt();
         if distance < self.distance() {
-            let (position_error, rotation_error) = self.target.errors(&(self.curve.state)(q).0);
+            let state = (self.curve.state)(q);
+            let (position_error, rotation_error) = self.target.errors(&state.0);
             let tolerance = crate::residual_tolerance::<S>();
             if position_error * self.curve.per_reach > tolerance || rotation_error > tolerance {
                 return false;
             }
             self.best = Some((Solution { q: *q, position_error, rotation_error, free: None }, distance));
+            self.certain = bottom && self.curve.is_nearest(q, &state, distance);
         }
         true
     }
