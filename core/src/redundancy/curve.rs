@@ -1,6 +1,7 @@
 //! The curve of joint values that keep a pose, point by point: back onto it, along it, towards a seed, to a limit.
 
 use crate::frame::{cross, norm, sub};
+use crate::solutions::travel;
 use crate::{Float, Frame};
 
 /// How often joint values are moved before they are given up: each move squares what is left of the error.
@@ -180,9 +181,20 @@ where
         })
     }
 
-    /// The point of the curve where a sum of joints has a value (rad or m), the nearest along the tangent.
-    pub(super) fn crossing(&self, from: &[S; N], sum: impl Fn(&[S; N]) -> S, value: S) -> Option<[S; N]> {
+    /// The point of the curve where a sum of joints has a value (rad or m), the nearest along the tangent, if it comes
+    /// before the curve is farther from the seed than both `most` and where it starts.
+    pub(super) fn crossing(
+        &self,
+        from: &[S; N],
+        sum: impl Fn(&[S; N]) -> S,
+        value: S,
+        most: S,
+    ) -> Option<[S; N]> {
+        let most = most.max(travel(from, self.seed).sqrt());
         self.walk(from, |q, local, longest| {
+            if travel(q, self.seed).sqrt() > most + longest {
+                return (S::NAN, S::NAN);
+            }
             let missing = value - sum(q) - sum(&local.correction);
             let along = (missing / sum(&local.tangent)).max(-longest).min(longest);
             (along, along.abs())

@@ -51,8 +51,9 @@ struct Nearest<'r, const N: usize, S, F> {
     curve: Curve<'r, N, S, F>,
     target: Target<S>,
     best: Option<(Solution<N, S>, S)>,
-    /// Allowed bottoms that were found.
+    /// Allowed bottoms that were found, and others.
     bottoms: [Option<[S; N]>; BOTTOMS],
+    refused: [Option<[S; N]>; BOTTOMS],
     /// Whether the way from some sample led to a bottom that was known.
     returned: bool,
     /// Whether no solution is nearer than the best that is known.
@@ -97,10 +98,11 @@ impl<S: Float> Redundancy<'_, S> {
         };
         let (position_error, rotation_error) = target.errors(&state(seed).0);
         let exact = S::from_f64(EXACT) * S::EPSILON;
-        // Where the tool is at the pose, so is the point that rules ask for.
-        let forbidden = self.rules.broken_workspace(position_of(seed));
         let hits = position_error <= exact * self.reach && rotation_error <= exact;
-        if hits && forbidden.is_none() && self.rules.allow_joints(seed) {
+        // Where the tool is at the pose, so is the point that rules ask for.
+        let allowed =
+            || self.rules.allow_joints(seed) && self.rules.broken_workspace(position_of(seed)).is_none();
+        if hits && allowed() {
             return Ok(Solution { q: *seed, position_error, rotation_error, free: None });
         }
         let per_reach = if self.reach > S::ZERO { S::ONE / self.reach } else { S::ONE };
@@ -113,6 +115,7 @@ impl<S: Float> Redundancy<'_, S> {
             target,
             best: None,
             bottoms: [None; BOTTOMS],
+            refused: [None; BOTTOMS],
             returned: false,
             certain: false,
             refusal: None,
@@ -255,32 +258,37 @@ where
     /// The bottom of the curve downhill from somewhere; where it isn't allowed, the ends of what is.
     fn bottom(&mut self, from: &[S; N], bottom: &[S; N], on_curve: bool) {
         if self.consider(bottom, true) {
-            if self.bottoms.iter().flatten().any(|known| travel(known, bottom).sqrt() <= S::SQRT_EPSILON) {
-                self.returned = true;
-            } else if let Some(slot) = self.bottoms.iter_mut().find(|slot| slot.is_none()) {
-                *slot = Some(*bottom);
-            }
+            self.returned |= remember(&mut self.bottoms, bottom);
             return;
         }
         if travel(bottom, self.curve.seed).sqrt() >= self.distance() {
             return;
         }
+        let known = remember(&mut self.refused, bottom);
         let points = [Some(bottom), on_curve.then_some(from)];
         let rules = self.rules;
         for (joint, limits) in rules.joints.iter().enumerate().filter_map(|(i, j)| Some((i, j.limits?))) {
             let value = |q: &[S; N]| q.get(joint).copied().unwrap_or(S::ZERO);
-            self.ends(points, value, &limits);
+            self.ends(points, known, value, &limits);
         }
         for sum in rules.sums {
-            self.ends(points, |q: &[S; N]| sum.value(q), &sum.range);
+            self.ends(points, known, |q: &[S; N]| sum.value(q), &sum.range);
         }
     }
 
-    /// Where a limit that one of two points breaks begins to hold, from either.
-    fn ends(&mut self, points: [Option<&[S; N]>; 2], value: impl Fn(&[S; N]) -> S, limits: &Limits<S>) {
+    /// Where a limit that one of two points breaks begins to hold, from either; from the second alone where the first is
+    /// known.
+    fn ends(
+        &mut self,
+        points: [Option<&[S; N]>; 2],
+        known: bool,
+        value: impl Fn(&[S; N]) -> S,
+        limits: &Limits<S>,
+    ) {
         for outside in points.into_iter().flatten().map(&value).filter(|own| !limits.contains(*own)) {
-            for start in points.into_iter().flatten() {
-                if let Some(end) = self.curve.crossing(start, &value, limits.clamp(outside)) {
+            for start in points.into_iter().skip(usize::from(known)).flatten() {
+                if let Some(end) = self.curve.crossing(start, &value, limits.clamp(outside), self.distance())
+                {
                     self.consider(&end, false);
                 }
             }
@@ -305,4 +313,13 @@ where
         }
         true
     }
+}
+
+/// Whether joint values were known; they are now, if there is room.
+fn remember<const N: usize, S: Float>(list: &mut [Option<[S; N]>; BOTTOMS], q: &[S; N]) -> bool {
+    let known = list.iter().flatten().any(|known| travel(known, q).sqrt() <= S::SQRT_EPSILON);
+    if !known && let Some(slot) = list.iter_mut().find(|slot| slot.is_none()) {
+        *slot = Some(*q);
+    }
+    known
 }
