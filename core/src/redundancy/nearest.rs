@@ -6,13 +6,11 @@
 //! the way goes downhill again. Where the bottom is outside limits, the curve is followed to them.
 
 use super::curve::Curve;
-use super::{Range, Redundancy};
+use super::{Range, Redundancy, SAMPLES};
 use crate::selection::nearest_winding;
 use crate::solutions::travel;
 use crate::{Float, Frame, IkError, Limits, Rules, Solution, Solutions, Target, TargetKind};
 
-/// How many samples the whole range of the free joint takes.
-const SAMPLES: f64 = 48.0;
 /// A stretch of a branch is longer than its tangent says by up to this factor.
 const BENT: f64 = 1.5;
 /// Where the free joint hardly moves along the curve, a stretch of it is longer than the tangent says. What is farther
@@ -48,6 +46,8 @@ struct Nearest<'r, const N: usize, S, F> {
     /// The free joint (index of q).
     joint: usize,
     rules: Rules<'r, S>,
+    /// Over the whole range of the free joint.
+    samples: u32,
     curve: Curve<'r, N, S, F>,
     target: Target<S>,
     best: Option<(Solution<N, S>, S)>,
@@ -72,7 +72,8 @@ impl<S: Float> Redundancy<'_, S> {
     /// whatever the free joint. A seed that is itself a solution is returned as it is. For problems that prescribe the
     /// whole pose and nothing else.
     ///
-    /// A curve of solutions that lies between two of 48 samples of the free joint's range may be missed.
+    /// That none is nearer is proved where the seed is near the curve. Else a curve of solutions that lies between two of
+    /// 48 samples of the free joint's range (6, without a closed form) may be missed.
     ///
     /// # Errors
     /// [`IkError::NotFinite`] for such a seed, and those of [`Target::validate_as`]; where no sample has an allowed solution, which limit or rule one of them
@@ -111,6 +112,7 @@ impl<S: Float> Redundancy<'_, S> {
         let mut search = Nearest {
             joint: self.joint,
             rules: self.rules,
+            samples: self.samples,
             curve,
             target,
             best: None,
@@ -167,14 +169,15 @@ where
             solutions.len()
         };
         let start = range.max.min(range.min.max(own));
-        let most = range.width() / S::from_f64(SAMPLES);
+        let most = range.width() / S::from_f64(f64::from(self.samples));
+        let fine = self.samples >= SAMPLES;
         let half = S::ONE / S::TWO;
         // A single sample where everything that counts is around it; more where that one does not know of what was
         // found, since the free joint turns back near there.
         let alone = self.distance() < most * half;
         let mut step = if alone { S::TWO * self.distance() } else { most };
         let first = sample(self, start, step * half);
-        if alone && !self.returned {
+        if alone && fine && !self.returned {
             step /= S::from_f64(FINER);
         }
         let mut counts = [first; 2];
@@ -193,7 +196,7 @@ where
                 inside = true;
                 let value = range.max.min(range.min.max(value));
                 let before = core::mem::replace(count, sample(self, value, step * half));
-                if before == *count {
+                if before == *count || !fine {
                     continue;
                 }
                 // Branches end in between.
