@@ -57,10 +57,14 @@ where
         (rows, [px, py, pz, wx, wy, wz])
     }
 
-    /// The linear equations J dq = e.
+    /// The linear equations J dq = e at joint values.
     pub(super) fn local(&self, q: &[S; N]) -> Local<N, S> {
-        let (tool, columns) = (self.state)(q);
-        let (rows, error) = self.rows(&tool, &columns);
+        self.local_of(&(self.state)(q))
+    }
+
+    /// The same where tool frame and Jacobian are known.
+    pub(super) fn local_of(&self, (tool, columns): &(Frame<S>, [[S; 6]; N])) -> Local<N, S> {
+        let (rows, error) = self.rows(tool, columns);
         let Factors { rows, triangle } = Factors::of(rows);
         let mut parts = [S::ZERO; 6];
         let mut correction = [S::ZERO; N];
@@ -150,11 +154,11 @@ where
         (at * position + turned * rotation) * (S::ONE + S::TWO * angles) <= S::ONE
     }
 
-    /// The point of the curve from which the seed is nearest, downhill from some joint values.
-    pub(super) fn nearest_point(&self, from: &[S; N]) -> Option<[S; N]> {
+    /// The point of the curve from which the seed is nearest, downhill from joint values of which this is known.
+    pub(super) fn nearest_point(&self, from: &[S; N], first: Local<N, S>) -> Option<[S; N]> {
         let mut before: Option<([S; N], S)> = None;
         let mut bend = S::ONE;
-        self.walk(from, |q, local, longest| {
+        self.walk(from, first, |q, local, longest| {
             let mut offset = *q;
             add(&mut offset, self.seed, -S::ONE);
             if let Some((tangent, moved)) = before {
@@ -191,7 +195,7 @@ where
         most: S,
     ) -> Option<[S; N]> {
         let most = most.max(travel(from, self.seed).sqrt());
-        self.walk(from, |q, local, longest| {
+        self.walk(from, self.local(from), |q, local, longest| {
             if travel(q, self.seed).sqrt() > most + longest {
                 return (S::NAN, S::NAN);
             }
@@ -206,13 +210,15 @@ where
     fn walk(
         &self,
         from: &[S; N],
+        first: Local<N, S>,
         mut along: impl FnMut(&[S; N], &mut Local<N, S>, S) -> (S, S),
     ) -> Option<[S; N]> {
         let mut q = *from;
         let most = S::from_f64(LONGEST);
         let (mut longest, mut moved) = (most, S::ZERO);
+        let mut next = Some(first);
         for _ in 0..MOVES {
-            let mut local = self.local(&q);
+            let mut local = next.take().unwrap_or_else(|| self.local(&q));
             let aside = dot(&local.correction, &local.correction).sqrt();
             // Where the curve bends away from its tangent, shorter moves stay with it.
             let strays = moved > S::ZERO && aside > moved * S::from_f64(STRAYS);
@@ -242,31 +248,46 @@ struct Factors<const N: usize, S> {
 }
 
 impl<const N: usize, S: Float> Factors<N, S> {
+    /// Every row is taken out of all that follow at once: products that do not wait for each other.
     fn of(mut rows: [[S; N]; 6]) -> Self {
         let mut triangle = [[S::ZERO; 6]; 6];
-        for (place, shares) in triangle.iter_mut().enumerate() {
-            let (done, rest) = rows.split_at_mut(place);
-            let Some(row) = rest.first_mut() else { break };
-            for (basis, slot) in done.iter().zip(shares.iter_mut()) {
-                let share = dot(row, basis);
-                add(row, basis, -share);
-                *slot = share;
-            }
+        for place in 0..6 {
+            let Some((row, rest)) = rows.get_mut(place..).and_then(<[_]>::split_first_mut) else { break };
             let length = dot(row, row).sqrt();
             let inverse = if length > S::from_f64(VANISHING) { S::ONE / length } else { S::ZERO };
             for x in row.iter_mut() {
                 *x *= inverse;
             }
-            if let Some(slot) = shares.get_mut(place) {
+            let mut below = triangle.iter_mut().skip(place);
+            if let Some(slot) = below.next().and_then(|shares| shares.get_mut(place)) {
                 *slot = inverse;
+            }
+            for (other, shares) in rest.iter_mut().zip(below) {
+                let share = dot(other, row);
+                add(other, row, -share);
+                if let Some(slot) = shares.get_mut(place) {
+                    *slot = share;
+                }
             }
         }
         Self { rows, triangle }
     }
 }
 
+/// In four sums, which do not wait for each other.
 fn dot<const N: usize, S: Float>(a: &[S; N], b: &[S; N]) -> S {
-    a.iter().zip(b).fold(S::ZERO, |sum, (a, b)| sum + *a * *b)
+    let (a, a_rest) = a.as_chunks::<4>();
+    let (b, b_rest) = b.as_chunks::<4>();
+    let mut sums = [S::ZERO; 4];
+    for ([a1, a2, a3, a4], [b1, b2, b3, b4]) in a.iter().zip(b) {
+        let [s1, s2, s3, s4] = sums;
+        sums = [s1 + *a1 * *b1, s2 + *a2 * *b2, s3 + *a3 * *b3, s4 + *a4 * *b4];
+    }
+    for (sum, (a, b)) in sums.iter_mut().zip(a_rest.iter().zip(b_rest)) {
+        *sum += *a * *b;
+    }
+    let [s1, s2, s3, s4] = sums;
+    (s1 + s3) + (s2 + s4)
 }
 
 /// a += factor * b

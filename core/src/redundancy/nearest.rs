@@ -5,7 +5,7 @@
 //! distance. These are sampled, and from every solution at a sample that may have a nearer one on its stretch of curve
 //! the way goes downhill again. Where the bottom is outside limits, the curve is followed to them.
 
-use super::curve::Curve;
+use super::curve::{Curve, Local};
 use super::{Range, Redundancy, SAMPLES};
 use crate::selection::nearest_winding;
 use crate::solutions::travel;
@@ -97,7 +97,8 @@ impl<S: Float> Redundancy<'_, S> {
         let Target::Pose(pose) = &target else {
             return Err(IkError::WrongTarget { expected: TargetKind::Pose });
         };
-        let (position_error, rotation_error) = target.errors(&state(seed).0);
+        let at_seed = state(seed);
+        let (position_error, rotation_error) = target.errors(&at_seed.0);
         let exact = S::from_f64(EXACT) * S::EPSILON;
         let hits = position_error <= exact * self.reach && rotation_error <= exact;
         // Where the tool is at the pose, so is the point that rules ask for.
@@ -123,7 +124,8 @@ impl<S: Float> Redundancy<'_, S> {
             refusal: None,
         };
         let own = seed.get(self.joint).copied().unwrap_or(S::ZERO);
-        search.run(own, self.range(own), at, &position_of);
+        let first = search.curve.local_of(&at_seed);
+        search.run(first, own, self.range(own), at, &position_of);
         match (search.best, search.refusal) {
             (Some((solution, _)), _) => match self.rules.broken_workspace(position_of(&solution.q)) {
                 Some(rule) => Err(IkError::Forbidden { rule }),
@@ -142,12 +144,13 @@ where
 {
     fn run(
         &mut self,
+        first: Local<N, S>,
         own: S,
         range: Range<S>,
         mut at: impl FnMut(S) -> Result<Solutions<N, S>, IkError<S>>,
         position_of: impl Fn(&[S; N]) -> [S; 3],
     ) {
-        if let Some(bottom) = self.curve.nearest_point(self.curve.seed) {
+        if let Some(bottom) = self.curve.nearest_point(self.curve.seed, first) {
             self.bottom(self.curve.seed, &bottom, false);
             if self.certain {
                 return;
@@ -236,7 +239,7 @@ where
         }
         if self.leads_back(&q, &local.tangent) {
             self.returned = true;
-        } else if let Some(bottom) = self.curve.nearest_point(&q) {
+        } else if let Some(bottom) = self.curve.nearest_point(&q, local) {
             self.bottom(&q, &bottom, true);
         }
     }
