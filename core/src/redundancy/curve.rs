@@ -65,29 +65,25 @@ where
     /// The same where tool frame and Jacobian are known.
     pub(super) fn local_of(&self, (tool, columns): &(Frame<S>, [[S; 6]; N])) -> Local<N, S> {
         let (rows, error) = self.rows(tool, columns);
-        let Factors { rows, triangle } = Factors::of(rows);
-        let mut parts = [S::ZERO; 6];
+        let factors = Factors::of(rows);
+        let mut left = error;
         let mut correction = [S::ZERO; N];
-        for (place, ((row, shares), error)) in rows.iter().zip(&triangle).zip(error).enumerate() {
-            let mut left = error;
-            for (share, part) in shares.iter().zip(&parts).take(place) {
-                left -= *share * *part;
+        for (place, (row, inverse)) in factors.rows.iter().zip(factors.inverses).enumerate() {
+            let own = left.get(place).copied().unwrap_or(S::ZERO);
+            for (left, shares) in left.iter_mut().zip(&factors.triangle).skip(place + 1) {
+                *left -= shares.get(place).copied().unwrap_or(S::ZERO) * own;
             }
-            let part = left * shares.get(place).copied().unwrap_or(S::ZERO);
-            add(&mut correction, row, part);
-            if let Some(slot) = parts.get_mut(place) {
-                *slot = part;
-            }
+            add(&mut correction, row, own * inverse);
         }
-        Local { correction, tangent: self.across(&rows) }
+        Local { correction, tangent: self.across(&factors) }
     }
 
-    /// The direction across orthonormal rows: what they leave of the joint that takes the least part in them, which is
-    /// so much that nothing is lost.
-    fn across(&self, rows: &[[S; N]; 6]) -> [S; N] {
+    /// The direction across all rows: what they leave of the joint that takes the least part in them, which is so much that
+    /// nothing is lost.
+    fn across(&self, factors: &Factors<N, S>) -> [S; N] {
         let mut parts = [S::ZERO; N];
-        for row in rows {
-            parts.iter_mut().zip(row).for_each(|(part, x)| *part += *x * *x);
+        for (row, inverse) in factors.rows.iter().zip(factors.inverses) {
+            parts.iter_mut().zip(row).for_each(|(part, x)| *part += *x * *x * inverse);
         }
         let mut least = (0, S::INFINITY);
         for (joint, part) in parts.iter().enumerate().take(self.dof) {
@@ -99,8 +95,8 @@ where
         if let Some(slot) = tangent.get_mut(least.0) {
             *slot = S::ONE;
         }
-        for row in rows {
-            let share = row.get(least.0).copied().unwrap_or(S::ZERO);
+        for (row, inverse) in factors.rows.iter().zip(factors.inverses) {
+            let share = row.get(least.0).copied().unwrap_or(S::ZERO) * inverse;
             add(&mut tangent, row, -share);
         }
         let inverse = S::ONE / dot(&tangent, &tangent).sqrt();
@@ -112,7 +108,7 @@ where
     /// With the bottom's offset from the seed Jᵀλ (across its curve), another solution, v away from it, is at a squared
     /// distance of D² + |v|² - 2 λ·r, where r is what the forward kinematics of it has beyond its linear part J v: the
     /// second-order condition of Lagrange multipliers, made one for every v up to 2 D by a bound on r. That is |v|²/2 times
-    /// a bound on second derivatives: of the position in q_i and q_j, i <= j, the length of the Jacobian's column j; of the
+    /// a bound on second derivatives: of the position in joints i <= j, the length of the Jacobian's column j; of the
     /// orientation 1 for each pair of joints. Third derivatives add at most the second ones times twice the sum of angles.
     pub(super) fn is_nearest(
         &self,
@@ -121,20 +117,20 @@ where
         distance: S,
     ) -> bool {
         let (rows, _) = self.rows(tool, columns);
-        let Factors { rows, triangle } = Factors::of(rows);
+        let Factors { rows, inverses, triangle } = Factors::of(rows);
         let mut offset = *q;
         add(&mut offset, self.seed, -S::ONE);
         // The transposed triangle, from its last row up.
         let mut multipliers = [S::ZERO; 6];
         for place in (0..6).rev() {
-            let mut left = rows.get(place).map_or(S::ZERO, |row| dot(row, &offset));
+            let inverse = inverses.get(place).copied().unwrap_or(S::ZERO);
+            let mut own = rows.get(place).map_or(S::ZERO, |row| dot(row, &offset) * inverse);
             for (shares, found) in triangle.iter().zip(&multipliers).skip(place + 1) {
-                left -= shares.get(place).map_or(S::ZERO, |share| *share * *found);
+                own -= shares.get(place).map_or(S::ZERO, |share| *share * *found);
             }
-            let inverse = triangle.get(place).and_then(|shares| shares.get(place));
-            if let (Some(slot), Some(inverse)) = (multipliers.get_mut(place), inverse) {
+            if let Some(slot) = multipliers.get_mut(place) {
                 // A row that vanishes bounds nothing.
-                *slot = if *inverse > S::ZERO { left * *inverse } else { S::INFINITY };
+                *slot = if inverse > S::ZERO { own } else { S::INFINITY };
             }
         }
         let [l1, l2, l3, l4, l5, l6] = multipliers;
@@ -240,37 +236,36 @@ where
     }
 }
 
-/// Rows as a triangular matrix times orthonormal rows, by modified Gram-Schmidt.
+/// Rows as a triangular matrix, whose diagonal is 1, times orthogonal rows, by modified Gram-Schmidt.
 struct Factors<const N: usize, S> {
     rows: [[S; N]; 6],
-    /// Below its diagonal; on the diagonal the inverse, 0 where a row vanishes.
+    /// One over the squares of their lengths; 0 where one vanishes.
+    inverses: [S; 6],
+    /// Below the diagonal.
     triangle: [[S; 6]; 6],
 }
 
 impl<const N: usize, S: Float> Factors<N, S> {
     /// Every row is taken out of all that follow at once: products that do not wait for each other.
+    #[inline]
     fn of(mut rows: [[S; N]; 6]) -> Self {
+        let vanishing = S::from_f64(VANISHING * VANISHING);
+        let mut inverses = [S::ZERO; 6];
         let mut triangle = [[S::ZERO; 6]; 6];
-        for place in 0..6 {
+        for (place, slot) in inverses.iter_mut().enumerate() {
             let Some((row, rest)) = rows.get_mut(place..).and_then(<[_]>::split_first_mut) else { break };
-            let length = dot(row, row).sqrt();
-            let inverse = if length > S::from_f64(VANISHING) { S::ONE / length } else { S::ZERO };
-            for x in row.iter_mut() {
-                *x *= inverse;
-            }
-            let mut below = triangle.iter_mut().skip(place);
-            if let Some(slot) = below.next().and_then(|shares| shares.get_mut(place)) {
-                *slot = inverse;
-            }
-            for (other, shares) in rest.iter_mut().zip(below) {
-                let share = dot(other, row);
+            let square = dot(row, row);
+            let inverse = if square > vanishing { S::ONE / square } else { S::ZERO };
+            *slot = inverse;
+            for (other, shares) in rest.iter_mut().zip(triangle.iter_mut().skip(place + 1)) {
+                let share = dot(other, row) * inverse;
                 add(other, row, -share);
                 if let Some(slot) = shares.get_mut(place) {
                     *slot = share;
                 }
             }
         }
-        Self { rows, triangle }
+        Self { rows, inverses, triangle }
     }
 }
 
