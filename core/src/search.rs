@@ -132,7 +132,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         if self.solutions.is_empty() {
             return Err(self.failure.map_or(IkError::NotFinite, |failure| failure.error));
         }
-        Ok(self.solutions.clone())
+        Ok(self.solutions.copied())
     }
 
     fn fail(&mut self, depth: u32, miss: S, error: IkError<S>) {

@@ -58,6 +58,11 @@ impl<const N: usize, S: Float> Solutions<N, S> {
         Self { items: [nothing; MAX_SOLUTIONS], len: 0, dropped: 0 }
     };
 
+    /// The same set in one copy of memory, which a clone is not.
+    pub(crate) fn copied(&self) -> Self {
+        Self { items: self.items, len: self.len, dropped: self.dropped }
+    }
+
     /// A set of one solution.
     pub fn one(solution: Solution<N, S>) -> Self {
         let mut solutions = Self::EMPTY;

@@ -139,14 +139,20 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             }
             Form::Values => {
                 let [angle, _] = roots.take()?;
-                let (sin, cos) = angle.sin_cos();
-                Some((angle, sin, cos))
+                Some(with_sine(angle))
             }
             Form::Free(step) => {
                 let angle = self.next_value(step)?;
-                let (sin, cos) = angle.sin_cos();
-                Some((angle, sin, cos))
+                Some(with_sine(angle))
             }
         }
     }
+}
+
+/// An angle (rad) with its sine and cosine.
+#[cold]
+#[inline(never)]
+fn with_sine<S: Float>(angle: S) -> (S, S, S) {
+    let (sin, cos) = angle.sin_cos();
+    (angle, sin, cos)
 }
