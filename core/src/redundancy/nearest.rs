@@ -270,7 +270,8 @@ where
         if travel(bottom, self.curve.seed).sqrt() >= self.distance() {
             return;
         }
-        let known = remember(&mut self.refused, bottom);
+        // Where nothing is allowed yet, what is may be a point, and is tried for again.
+        let known = remember(&mut self.refused, bottom) && self.best.is_some();
         let points = [Some(bottom), on_curve.then_some(from)];
         let rules = self.rules;
         for (joint, limits) in rules.joints.iter().enumerate().filter_map(|(i, j)| Some((i, j.limits?))) {
