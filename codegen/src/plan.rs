@@ -127,6 +127,13 @@ pub struct Function {
     pub stages: Vec<Stage>,
 }
 
+impl Function {
+    /// Whether its solutions are all searched for at once, without a closed form.
+    pub fn is_searched(&self) -> bool {
+        self.steps.iter().any(|step| matches!(step, Step::General { .. }))
+    }
+}
+
 /// Names of the numbers that a target is made of, in the order in which they are inputs.
 pub fn target_inputs(target: crate::model::Target) -> &'static [&'static str] {
     target.input_names()

@@ -29,6 +29,7 @@ mod redundancy;
 mod rules;
 mod search;
 mod selection;
+mod sine;
 mod solution_set;
 mod solutions;
 mod step;

@@ -13,6 +13,8 @@ pub use conditions::Condition;
 pub use general::Candidates;
 pub use roots::Roots;
 
+use free::Free;
+
 use crate::{Float, IkError, Rule, Solution, Solutions, Step, Winding, residual_tolerance};
 
 /// Coefficients up to this many machine epsilons (of the size of the numbers that the equation is made of) are what
@@ -48,8 +50,8 @@ pub struct Search<'a, const N: usize, S = f64> {
     solutions: Solutions<N, S>,
     /// Bit i is set where step i, solved last, left its unknown free.
     free_steps: u32,
-    /// The first row of each free step.
-    free_rows: [u8; u32::BITS as usize],
+    /// What was tried of each step that is free, or was.
+    free: [Option<Free<S>>; N],
     failure: Option<Failure<S>>,
     /// How many candidates were taken, those that were there already included.
     accepted: u32,
@@ -84,9 +86,9 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         Self {
             reach,
             windings,
-            solutions: Solutions::empty(),
+            solutions: Solutions::EMPTY,
             free_steps: 0,
-            free_rows: [0; u32::BITS as usize],
+            free: core::array::from_fn(|_| None),
             failure: None,
             accepted: 0,
             doubtful: false,
@@ -123,15 +125,14 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     /// Where nothing was: the failure of the branch that came furthest; of several at the same step, the one that
     /// failed by least.
     #[inline]
-    pub fn finish(self) -> Result<Solutions<N, S>, IkError<S>> {
-        let mut solutions = self.solutions;
+    pub fn finish(&mut self) -> Result<Solutions<N, S>, IkError<S>> {
         if self.polished {
-            solutions.drop_misses(self.reach);
+            self.solutions.drop_misses(self.reach);
         }
-        if solutions.is_empty() {
+        if self.solutions.is_empty() {
             return Err(self.failure.map_or(IkError::NotFinite, |failure| failure.error));
         }
-        Ok(solutions)
+        Ok(self.solutions.copied())
     }
 
     fn fail(&mut self, depth: u32, miss: S, error: IkError<S>) {
@@ -165,15 +166,12 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             return self.singular(step, gap, scale);
         }
         self.mark_free(step);
-        Roots::any(step, S::ZERO, self.accepted)
+        self.free(Free::any(step, S::ZERO, self.accepted))
     }
 
     fn mark_free(&mut self, step: Step) {
         self.doubtful = true;
         self.free_steps |= bit(step);
-        if let Some(row) = self.free_rows.get_mut(usize::from(step.index)) {
-            *row = step.first_row() as u8;
-        }
     }
 
     fn singular(&mut self, step: Step, gap: S, scale: &Scale<S>) -> Roots<S> {
@@ -189,7 +187,8 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         if self.free_steps == 0 {
             return None;
         }
-        self.free_rows.get(self.free_steps.trailing_zeros() as usize).map(|row| usize::from(*row))
+        let outermost = self.free.get(self.free_steps.trailing_zeros() as usize).copied().flatten();
+        outermost.map(|free| free.step.first_row())
     }
 }
 

@@ -61,7 +61,7 @@ impl<S: Float> Redundancy<'_, S> {
             (tool, columns)
         };
         let nearest = self.nearest(Arm::new(at, state), point, &target, &padded)?;
-        let mut solutions = swept.unwrap_or(Solutions::empty());
+        let mut solutions = swept.unwrap_or(Solutions::EMPTY);
         if solutions.iter().all(|other| travel(&other.q, &nearest.q) > S::EPSILON) {
             solutions.insert_by_distance(nearest, &padded);
         }
@@ -87,7 +87,7 @@ impl<S: Float> Redundancy<'_, S> {
         reference: &[S; MAX_JOINTS],
         kept: impl Fn(Solutions<MAX_JOINTS, S>) -> Result<Solutions<MAX_JOINTS, S>, IkError<S>>,
     ) -> Result<Solutions<MAX_JOINTS, S>, IkError<S>> {
-        let mut all = Solutions::empty();
+        let mut all = Solutions::EMPTY;
         let mut refusal = IkError::NotFinite;
         for value in self.samples() {
             match at(arm, problem, target, value).and_then(&kept) {

@@ -1,6 +1,6 @@
 //! A joint that a target leaves free, or next to free: one of its values, with which the rest can be solved.
 
-use super::{DEPTH_OF_MISSED, Failure, Search};
+use super::{DEPTH_OF_MISSED, Failure, Roots, Search};
 use crate::{Float, Step};
 
 /// Values of a free joint that are tried at even distances: multiples of an eighth of half a turn, or of the reach.
@@ -20,11 +20,11 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// that it may be in is searched.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Free<S> {
-    step: Step,
+    pub(super) step: Step,
     /// Whether any value meets the equation; else only those in the interval.
     any: bool,
     tried: u32,
-    pub(super) value: S,
+    value: S,
     /// How many solutions there were before.
     accepted: u32,
     /// The failure before, and the best one since with the value that led to it.
@@ -36,17 +36,37 @@ pub(super) struct Free<S> {
 }
 
 impl<const N: usize, S: Float> Search<'_, N, S> {
-    /// The next value of a step, if none led to a solution yet.
+    /// Any value of a step, starting with `free`'s.
+    pub(super) fn free(&mut self, free: Free<S>) -> Roots<S> {
+        let Free { step, value, .. } = free;
+        match self.free.get_mut(usize::from(step.index)) {
+            Some(slot) => *slot = Some(free),
+            // More steps than joints: there are none.
+            None => return Roots::NONE,
+        }
+        Roots::any(step, value)
+    }
+
+    /// The next value of a step that is free, if none led to a solution yet.
     #[cold]
     #[inline(never)]
-    pub(super) fn next_value(&mut self, mut free: Free<S>) -> (Option<S>, Free<S>) {
+    pub(super) fn next_value(&mut self, step: u8) -> Option<S> {
+        let mut free = self.free.get(usize::from(step)).copied().flatten()?;
+        let value = self.next_of(&mut free);
+        if let Some(slot) = self.free.get_mut(usize::from(step)) {
+            *slot = Some(free);
+        }
+        value
+    }
+
+    fn next_of(&mut self, free: &mut Free<S>) -> Option<S> {
         if free.tried == 0 {
             free.outer = self.failure.take();
         } else {
             let failure = self.failure.take();
             if self.accepted > free.accepted {
                 self.failure = free.outer;
-                return (None, free);
+                return None;
             }
             free.note(failure);
         }
@@ -61,7 +81,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             }
         }
         free.value = value.unwrap_or(free.value);
-        (value, free)
+        value
     }
 }
 

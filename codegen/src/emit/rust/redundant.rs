@@ -34,7 +34,10 @@ impl Printer<'_> {
         )]);
         let kind = if methods.problem.is_none_or(Problem::is_whole_pose) { "of_pose" } else { "of_problem" };
         let parts = [joint.to_string(), "Self::RULES".to_owned(), self.private("REACH").to_owned()];
-        let value = Expression::Call(format!("{ty}::{kind}"), parts.map(Expression::Atom).to_vec());
+        let mut value = Expression::Call(format!("{ty}::{kind}"), parts.map(Expression::Atom).to_vec());
+        if methods.function.is_searched() {
+            value = Expression::Atom(format!("{}.searched()", value.flat()));
+        }
         let head = format!("pub const {name}: {ty}<'static{}> =", self.scalar_argument(", "));
         text.laid_out(&statement(text.indent(), &head, &value, ";"));
     }

@@ -213,8 +213,15 @@ impl<S: Float> Kinematics<S> for Interpreter<'_, S> {
         let place = self.problems.iter().position(|info| info.name == problem)?;
         let [joint] = self.problems.get(place)?.free else { return None };
         let reach = S::from_f64(self.program.model.reach());
-        let problem = self.indices.get(place)?.and_then(|index| self.program.model.problems.get(index));
-        let whole_pose = problem.is_none_or(Problem::is_whole_pose);
-        Some(Redundancy { joint: *joint, rules: self.rules(), reach, whole_pose })
+        let index = *self.indices.get(place)?;
+        let problem = index.and_then(|index| self.program.model.problems.get(index));
+        let redundancy = if problem.is_none_or(Problem::is_whole_pose) {
+            Redundancy::of_pose(*joint, self.rules(), reach)
+        } else {
+            Redundancy::of_problem(*joint, self.rules(), reach)
+        };
+        let searched =
+            self.program.find(&FunctionKind::Inverse(index)).is_some_and(|(names, _)| names.is_searched());
+        Some(if searched { redundancy.searched() } else { redundancy })
     }
 }
