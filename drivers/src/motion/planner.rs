@@ -306,7 +306,7 @@ impl<'k> Planner<'k> {
         };
         let count = (duration / CHECK_PERIOD).ceil().max(1.0) as usize;
         let time = |place: usize| if place >= count { duration } else { place as f64 * CHECK_PERIOD };
-        let way = |time: f64| timing.at(time).0.first().copied().unwrap_or(0.0);
+        let way = |time: f64| timing.at(time).0;
         let near = |from: usize, to: usize| {
             let (start, end) = (course.at(time(from)).0, course.at(time(to)).0);
             out_of_step::stays_near(&self.arm, &start, &end, OUT_OF_STEP)
