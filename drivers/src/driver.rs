@@ -88,6 +88,17 @@ pub enum Watchdog {
     None,
 }
 
+impl fmt::Display for Watchdog {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Device(time) => {
+                write!(f, "it stops by itself {:.0} ms after the last word", time.as_secs_f64() * 1e3)
+            }
+            Self::None => f.write_str("it goes on to its last goal, and nothing stops it but its switch"),
+        }
+    }
+}
+
 /// A device that moves the joints of one table.
 ///
 /// Every call returns by a deadline of its own, and none spins. A call that fails because the device is gone tries
@@ -135,6 +146,13 @@ pub trait Driver: fmt::Debug + Send {
     /// [`DriverError`] where nothing says that the device has heard.
     fn stop(&mut self) -> Result<(), DriverError>;
 
+    /// Makes the device forget the faults that it has latched, so that it can move again, and returns when it answers
+    /// again. Joints that a fault was latched of may lose their torque by it: it counts as off until it is switched on.
+    ///
+    /// # Errors
+    /// [`DriverError`]; a fault whose cause is still there comes back, which the next state tells.
+    fn clear_faults(&mut self) -> Result<(), DriverError>;
+
     /// From now on the device stops by itself when it has not heard a word for so long; every other call is a word.
     /// `None` ends it.
     ///
@@ -168,6 +186,9 @@ impl<D: Driver + ?Sized> Driver for Box<D> {
     }
     fn stop(&mut self) -> Result<(), DriverError> {
         (**self).stop()
+    }
+    fn clear_faults(&mut self) -> Result<(), DriverError> {
+        (**self).clear_faults()
     }
     fn watchdog(&mut self, timeout: Option<Duration>) -> Result<Watchdog, DriverError> {
         (**self).watchdog(timeout)

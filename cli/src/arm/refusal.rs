@@ -61,9 +61,9 @@ pub(super) fn of(model: &Model, error: &MotionError) -> Refusal {
         MotionError::NotSafe { nearest: None, .. } => Refusal::new("not_safe", error.to_string())
             .help("mark a pose of the table with safe = true, or have the torque cut all the same"),
         MotionError::Stopped => Refusal::new("stopped", "stopped; the arm holds"),
-        MotionError::NotStopped { first, stop } => {
+        MotionError::NotStopped { first, stop, watchdog } => {
             let mut told = of(model, first);
-            told.message = format!("{}; and the arm may still move: {stop}", told.message);
+            told.message = format!("{}; and it could not be told to stop ({stop}): {watchdog}", told.message);
             told
         }
         MotionError::FeedbackLost { .. } => Refusal::new("feedback_lost", error.to_string()),

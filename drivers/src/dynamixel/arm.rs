@@ -96,24 +96,6 @@ impl Arm {
         setup::connect(bus, map, settings)
     }
 
-    /// Starts those servos anew that have a hardware error latched, which is the only way to be rid of it. Their torque
-    /// goes off, and they are away for some tenths of a second.
-    ///
-    /// # Errors
-    /// [`DriverError`]
-    pub fn clear_faults(&mut self) -> Result<(), DriverError> {
-        let latched = self.latched()?;
-        for (servo, bits) in self.servos.clone().iter().zip(latched) {
-            if bits != 0 {
-                self.torque = Torque::Off;
-                let outcome = self.bus.reboot(servo.id);
-                outcome.map_err(|error| self.named(error))?;
-            }
-        }
-        self.fault = None;
-        Ok(())
-    }
-
     fn ids(&self) -> Vec<u8> {
         self.servos.iter().map(|servo| servo.id).collect()
     }
@@ -341,6 +323,20 @@ impl Driver for Arm {
             self.torque = Torque::Interrupted;
         }
         outcome
+    }
+
+    /// A servo forgets a hardware error by starting anew: its torque goes off, and it is away for some tenths of a second.
+    fn clear_faults(&mut self) -> Result<(), DriverError> {
+        let latched = self.latched()?;
+        for (servo, bits) in self.servos.clone().iter().zip(latched) {
+            if bits != 0 {
+                self.torque = Torque::Off;
+                let outcome = self.bus.reboot(servo.id).and_then(|_| self.bus.await_servo(servo.id));
+                outcome.map_err(|error| self.named(error))?;
+            }
+        }
+        self.fault = None;
+        Ok(())
     }
 
     fn watchdog(&mut self, timeout: Option<Duration>) -> Result<Watchdog, DriverError> {

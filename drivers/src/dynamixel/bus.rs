@@ -86,6 +86,8 @@ const STATUS_OVERHEAD: usize = 11;
 const FACTORY_BAUD: u32 = 57_600;
 /// The servos' longest return delay.
 const RETURN_DELAY: Duration = Duration::from_micros(508);
+/// How long a servo may take to start.
+const STARTING: Duration = Duration::from_secs(1);
 /// What the makers' client grants each id to answer a broadcast ping with.
 const PING_SLOT: Duration = Duration::from_millis(3);
 
@@ -209,6 +211,21 @@ impl Bus {
     /// [`DriverError`]
     pub fn reboot(&mut self, id: u8) -> Result<Answer, DriverError> {
         self.one("reboot", instruction::reboot(id), 0, false)
+    }
+
+    /// Waits until a servo that was started anew answers again: a second at most.
+    ///
+    /// # Errors
+    /// [`DriverError`]
+    pub fn await_servo(&mut self, id: u8) -> Result<Identity, DriverError> {
+        let clock = self.port.clock();
+        let deadline = clock.now() + STARTING;
+        loop {
+            match self.ping(id) {
+                Err(error) if matches!(error.cause, Cause::Silent { .. }) && clock.now() < deadline => {}
+                outcome => return outcome,
+            }
+        }
     }
 
     /// Sets a servo to what it was when it left the factory, but for what is spared. It is asked once.

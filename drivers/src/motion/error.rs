@@ -1,7 +1,7 @@
 //! Why an arm did not do what it was asked to.
 
 use super::refusal::{JointName, Refusal};
-use crate::driver::{DriverError, Fault};
+use crate::driver::{DriverError, Fault, Watchdog};
 use std::fmt;
 use std::time::Duration;
 
@@ -73,12 +73,14 @@ pub enum MotionError {
         /// Where the pose has it (rad or m).
         expected: f64,
     },
-    /// What went wrong first; and the arm could not be told to stop either. It may still move.
+    /// What went wrong first; and the arm could not be told to stop either.
     NotStopped {
         /// What went wrong.
         first: Box<MotionError>,
-        /// Why it was not stopped.
+        /// Why it was not told to stop.
         stop: Box<DriverError>,
+        /// What it does without a word.
+        watchdog: Watchdog,
     },
 }
 
@@ -140,7 +142,9 @@ impl fmt::Display for MotionError {
             Self::NotSafe { nearest: None, .. } => {
                 f.write_str("torque stays on: the table marks no pose as safe")
             }
-            Self::NotStopped { first, stop } => write!(f, "{first}; and the arm may still move: {stop}"),
+            Self::NotStopped { first, stop, watchdog } => {
+                write!(f, "{first}; and it could not be told to stop ({stop}): {watchdog}")
+            }
         }
     }
 }

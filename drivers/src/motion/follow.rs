@@ -41,7 +41,10 @@ pub(super) fn onto(
     path: &Path,
     start: &[f64],
 ) -> Result<Vec<f64>, Reason> {
-    let first = nearest(arm, problem, &path.at(0.0), start)?;
+    let first = nearest(arm, problem, &path.at(0.0), start).map_err(|reason| match reason {
+        Reason::NoSolution(error) => Reason::NoStart(error),
+        other => other,
+    })?;
     let (index, step) = furthest(arm, start, &first);
     if step <= ON_PATH {
         return Ok(start.to_vec());

@@ -314,6 +314,10 @@ impl Driver for MyCobot {
         if self.link.is_gone() { self.come_back() } else { self.halt() }
     }
 
+    fn clear_faults(&mut self) -> Result<(), DriverError> {
+        self.call(|arm| arm.link.acknowledge(&Request::plain(C::ClearErrorInformation)))
+    }
+
     fn watchdog(&mut self, _timeout: Option<Duration>) -> Result<Watchdog, DriverError> {
         Ok(Watchdog::None)
     }

@@ -263,7 +263,8 @@ impl Link {
                 Ok(count) => {
                     something_came = true;
                     self.reader.push(buffer.get(..count).unwrap_or_default());
-                    false
+                    // A line that never falls silent does not make it wait any longer.
+                    self.clock.now() > deadline
                 }
                 Err(error) if error.kind == PortErrorKind::TimedOut => true,
                 Err(error) => return Err(error),

@@ -129,6 +129,13 @@ fn a_refusal_says_which_move_sample_joint_and_rule() {
     let Reason::OutsideLimits { joint, value, max, .. } = &refusal.reason else { panic!("{refusal}") };
     assert_eq!((joint.index, joint.name.as_str(), *value), (0, "J1", 1.6));
     assert!((max - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    // Everything that is wrong there is said.
+    assert_eq!(refusal.also.len(), 1, "{refusal}");
+    let Reason::OutsideLimits { joint, .. } = &refusal.also[0] else { panic!("{refusal}") };
+    assert!(
+        joint.name == "J6" && refusal.to_string().contains("; joint 6 (J6) would be at 1.6"),
+        "{refusal}"
+    );
     // Both ends are above the floor, what is between them is not.
     let down = [0.3, -1.6, 0.5, 0.4, 0.0, 0.3];
     let up = [-0.3, -1.6, -1.9, -1.1, 0.0, 0.3];

@@ -209,7 +209,6 @@ fn latched_errors_are_told_and_in_the_way() {
     assert_eq!((error.joint.as_deref(), &error.cause), (Some("J2"), &Cause::Fault(*fault)));
     assert!(matches!(bench.arm.torque(true).unwrap_err().cause, Cause::Fault(_)));
     bench.arm.clear_faults().unwrap();
-    bench.clock.advance(Duration::from_millis(500));
     assert_eq!(bench.arm.send(&command([0.3, 0.3])).unwrap_err().cause, Cause::TorqueOff);
     bench.arm.torque(true).unwrap();
     let state = bench.arm.read_state().unwrap();

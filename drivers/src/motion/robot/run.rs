@@ -50,7 +50,7 @@ impl<D: Driver> Robot<'_, D> {
         if !self.torque {
             self.hold()?;
         }
-        self.driver.watchdog(Some(self.settings.watchdog))?;
+        self.watchdog = self.driver.watchdog(Some(self.settings.watchdog))?;
         self.under_way = true;
         let outcome = self.legs(checked, watch);
         let outcome = outcome.or_else(|error| self.after(error));
@@ -221,7 +221,10 @@ impl<D: Driver> Robot<'_, D> {
                 let _ = self.wait_for_rest();
                 Err(error)
             }
-            Err(stop) => Err(MotionError::NotStopped { first: Box::new(error), stop: Box::new(stop) }),
+            Err(stop) => {
+                let (first, stop) = (Box::new(error), Box::new(stop));
+                Err(MotionError::NotStopped { first, stop, watchdog: self.watchdog })
+            }
         }
     }
 }

@@ -64,7 +64,7 @@ fn ten_thousand_operations_on_a_bad_line() {
     let mut draw = Draw(7);
     while outcome.operations < 10_000 {
         if operation(&mut bench, &mut outcome, |driver| driver.torque(true)).is_none()
-            || operation(&mut bench, &mut outcome, MyCobot::clear_error).is_none()
+            || operation(&mut bench, &mut outcome, Driver::clear_faults).is_none()
         {
             continue;
         }

@@ -179,7 +179,7 @@ fn latched_errors_are_told_and_nothing_is_sent_until_they_are_cleared() {
     assert_eq!(state.fault.map(|fault| fault.code), Some(17));
     let error = bench.driver.send(&Bench::goal([0.0; 6], 10.0)).unwrap_err();
     assert_eq!(error.to_string(), "simulated, send_angles: fault: collision protection (17)");
-    bench.driver.clear_error().unwrap();
+    bench.driver.clear_faults().unwrap();
     bench.driver.send(&Bench::goal([0.0; 6], 50.0)).unwrap();
     assert!(apart(&bench.arrive(), &[0.0; 6]) < TENTH);
 
