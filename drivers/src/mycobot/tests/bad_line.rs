@@ -12,7 +12,7 @@ use crate::simulate::Faults;
 use dh_runtime::Kinematics;
 
 /// No call takes longer, the stop of an arm that is given up on included.
-const LONGEST: Duration = Duration::from_secs(7);
+const LONGEST: Duration = Duration::from_millis(5_600);
 
 /// Joint values of the table (rad), evenly spread and repeatable.
 struct Draw(u64);
