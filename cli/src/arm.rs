@@ -28,9 +28,14 @@ pub(crate) use progress::Watcher;
 /// Which device, and what is on it.
 #[derive(Debug, clap::Args)]
 pub(crate) struct DeviceFlags {
+    /// A table file, or the name of a shipped table.
+    table: String,
     /// The arm's port: a device like /dev/ttyUSB0 or what `dhc sim` printed, or tcp:HOST:PORT.
     #[arg(long, value_name = "PORT")]
     pub(crate) port: String,
+    /// Bits per second of the port, where the arm is not set up as its table says (115200: a myCobot with an M5).
+    #[arg(long, value_name = "RATE", value_parser = clap::value_parser!(u32).range(1..))]
+    baud: Option<u32>,
     /// Servo zeros and signs of this very arm, as `dhc calibrate` writes them.
     #[arg(long, value_name = "FILE")]
     pub(crate) unit: Option<PathBuf>,
@@ -62,13 +67,12 @@ pub(crate) enum Use {
 /// # Errors
 /// Where either fails; and what is done with the arm.
 pub(crate) fn with(
-    table: &str,
     flags: &DeviceFlags,
     purpose: Use,
     act: impl FnOnce(&mut Arm<'_>) -> Result<Status, Failure>,
 ) -> Result<Status, Failure> {
-    let robot = Robot::load(table, Level::Quick)?;
-    let settings = device::settings(&robot)?;
+    let robot = Robot::load(&flags.table, Level::Quick)?;
+    let settings = device::settings(&robot, flags.baud)?;
     let program = robot.program()?;
     let arm = program.interpreter().map_err(|error| robot.unusable(&error))?;
     let units = robot.units();
@@ -82,16 +86,17 @@ pub(crate) fn with(
     }
     let port = port::open(&flags.port, settings.baud, Arc::new(RealClock::new()))
         .map_err(|error| Refusal::new("port", error.to_string()))?;
-    let mut driver = connect::connect(settings, joints, port)
-        .map_err(|error| Refusal::new("device", error.to_string()))?;
-    let silent =
-        |error: &dh_drivers::DriverError| matches!(error.cause, dh_drivers::driver::Cause::Silent { .. });
-    if purpose == Use::Move && driver.read_state().is_err_and(|error| silent(&error)) {
-        driver.torque(true).map_err(|error| Refusal::new("device", error.to_string()))?;
-        complain("the arm did not say where it is; its power was switched on");
+    let mut driver = connect::connect(settings, joints, port).map_err(|error| match error {
+        connect::ConnectError::Driver(error) => refusal::of_driver(&error),
+        other => Refusal::new("device", other.to_string()),
+    })?;
+    if purpose == Use::Move && connect::wake(driver.as_mut()).map_err(|error| refusal::of_driver(&error))? {
+        complain("the arm had no power, which was switched on: it holds where it is");
     }
-    let robot_in_motion =
-        motion::Robot::new(&mounted, driver).map_err(|error| Refusal::new("device", error.to_string()))?;
+    let robot_in_motion = motion::Robot::new(&mounted, driver).map_err(|error| match error {
+        motion::ConnectError::Driver(error) => refusal::of_driver(&error),
+        other @ motion::ConnectError::OtherArm(_) => Refusal::new("device", other.to_string()),
+    })?;
     let poses: Vec<NamedPose<'_>> = robot.model().poses.iter().map(named_pose).collect();
     let robot_in_motion = robot_in_motion.with_poses(&poses);
     interrupt::install(&robot_in_motion.stop_handle())?;
@@ -198,7 +203,15 @@ impl Arm<'_> {
     /// Where it doesn't answer.
     pub(crate) fn read(&mut self) -> Result<(), Refusal> {
         let outcome = self.robot.read().map(|_| ());
-        outcome.map_err(|error| Refusal::new("device", error.to_string()))
+        outcome.map_err(|error| refusal::of_driver(&error))
+    }
+
+    /// Has the device forget its faults.
+    ///
+    /// # Errors
+    /// What the device says.
+    pub(crate) fn clear_faults(&mut self) -> Result<(), Refusal> {
+        self.robot.clear_faults().map_err(|error| refusal::of(self.model, &error))
     }
 
     /// Switches the torque on.
@@ -223,8 +236,18 @@ impl Arm<'_> {
         self.robot.arm().fk(q).unwrap_or(Frame { translation: [f64::NAN; 3], ..Frame::IDENTITY })
     }
 
+    /// State and hand, for programs or for people.
+    pub(crate) fn tell(&self, json: bool, out: &mut dyn Write) -> io::Result<()> {
+        if json {
+            writeln!(out, "{}", self.json())?;
+        } else {
+            self.show(out)?;
+        }
+        out.flush()
+    }
+
     /// State and hand, as `--json` shows them.
-    pub(crate) fn json(&self) -> Json {
+    fn json(&self) -> Json {
         let state = self.robot.state();
         let joints = state.joints.iter().enumerate().map(|(index, joint)| {
             let (kind, name) = self.units().joint(index);

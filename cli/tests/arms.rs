@@ -89,15 +89,19 @@ fn refusals_say_why_and_move_nothing() {
         ("--problem xy --position 0.2,0.2,0.2", 2, "--position has 3 numbers where 2 are needed"),
         ("--problem xy --position 0.1,0.1 --line", 1, "singular: the smallest singular value is"),
         ("--problem xy --position 0.3,0.1", 1, "out of reach"),
-        ("--joints 0.5,0.5 --percent 0", 1, "makes no sense"),
+        ("--joints 0.5,0.5 --percent 0", 2, "`0` is no percentage: write a number above 0, and at most 100"),
+        ("--joints 0.5,0.5 --percent 101", 2, "`101` is no percentage"),
+        ("--joints 0.5,0.5 --speed -3", 2, "`-3` is no number above 0"),
+        ("--joints 4,-5", 1, "; joint 2 (J2) at -5.000000000 rad is 1.858407346 rad outside"),
         ("--joints 0.5,0.5 --line", 2, "go with --problem"),
         ("", 2, "where to?"),
     ] {
         let stderr = dhc(&format!("move planar2r --port {} {arguments}", sim.port)).failed(status);
         assert!(stderr.contains(says), "{arguments}: {stderr}");
     }
-    let json = dhc(&format!("move planar2r --port {} --joints 4,0 --json", sim.port)).json();
+    let json = dhc(&format!("move planar2r --port {} --joints 4,-5 --json", sim.port)).json();
     assert_eq!((&json["error"]["kind"], &json["error"]["joint"]), (&"outside_limits".into(), &1.into()));
+    assert_eq!(json["error"]["also"][0]["joint"], 2);
     let dry = dhc(&format!("move planar2r --port {} --joints 1,1 --dry-run", sim.port)).good();
     assert!(dry.contains("allowed"), "{dry}");
     assert_eq!(sim.joints("planar2r"), before);
@@ -109,6 +113,17 @@ fn a_device_that_is_not_there_is_said_so() {
     assert!(stderr.contains("/dev/no-such-port"), "{stderr}");
     let stderr = dhc("read scara --port /dev/null").failed(1);
     assert!(stderr.contains("[device]"), "{stderr}");
+    let stderr = dhc("read planar2r --port /dev/null").failed(1);
+    assert!(stderr.contains("/dev/null: it can't be used as a serial port"), "{stderr}");
+    let stderr = dhc("read planar2r --port tcp:localhost").failed(1);
+    assert!(stderr.contains("write tcp:HOST:PORT"), "{stderr}");
+    // Another device than the table's answers nothing that it understands.
+    let sim = Sim::of("mycobot");
+    let stderr = dhc(&format!("read planar2r --port {}", sim.port)).failed(1);
+    assert!(
+        stderr.contains("J1, ping: no answer in ") && stderr.contains("--baud gives another"),
+        "{stderr}"
+    );
     let stderr = dhc("read planar2r --port /dev/no-such-port --unit no/such.toml").failed(1);
     assert!(stderr.contains("no/such.toml"), "{stderr}");
 }
@@ -148,7 +163,9 @@ fn a_console_takes_commands() {
     // A script in which something was refused is told so at its end.
     assert_eq!(run.status, 1);
     assert_eq!(run.stdout.matches("hand at").count(), 4, "{}", run.stdout);
-    assert!(run.stderr.contains("outside its limits") && run.stderr.contains("`fly` is no command"));
+    assert!(
+        run.stderr.contains("line 3: error: refused") && run.stderr.contains("line 6: error: `fly` is no")
+    );
     let run =
         dhc_reading(&format!("console planar2r --port {}", sim.port), b"joints 0 0\nrelease anywhere\n");
     assert_eq!(run.status, 0, "{}", run.stderr);

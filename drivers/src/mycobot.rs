@@ -76,5 +76,6 @@ fn six(map: &JointMap) -> Result<&[DeviceJoint; 6], MapError> {
     map.joints.as_slice().try_into().map_err(|_| MapError {
         joint: format!("{} of {}", map.len().min(6) + 1, map.len()),
         what: "no place in a myCobot, which has six joints",
+        instead: "take another driver, or the table of a myCobot".to_owned(),
     })
 }

@@ -180,7 +180,10 @@ fn crane_x7_goes_round_its_square() {
             text.matches("4.88 degrees short of straight down").count(),
             if wrist_down { 2 } else { 0 }
         );
-        assert!(text.contains("torque on") && text.ends_with("at rest, holding\n"), "{text}");
+        assert!(
+            text.starts_with("position mode\ntorque on\n") && text.ends_with("at rest, holding\n"),
+            "{text}"
+        );
     }
 }
 

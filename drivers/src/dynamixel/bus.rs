@@ -3,6 +3,7 @@
 mod echo;
 mod exchange;
 
+use super::control_table::OPERATING_MODE;
 use super::instruction::{self, Spared};
 use super::packet::{BROADCAST, Decoder, MAX_ID, Packet};
 use super::status::Status;
@@ -211,6 +212,20 @@ impl Bus {
     /// [`DriverError`]
     pub fn reboot(&mut self, id: u8) -> Result<Answer, DriverError> {
         self.one("reboot", instruction::reboot(id), 0, false)
+    }
+
+    /// Sets servos to an operating mode, those that are not in it already: it keeps them without power.
+    ///
+    /// # Errors
+    /// [`DriverError`]; a servo whose torque is on refuses.
+    pub fn set_operating_mode(&mut self, ids: &[u8], mode: i64) -> Result<(), DriverError> {
+        for id in ids {
+            let now = self.read(*id, OPERATING_MODE.address, OPERATING_MODE.size)?;
+            if OPERATING_MODE.value(&now.data) != Some(mode) {
+                self.write(*id, OPERATING_MODE.address, &OPERATING_MODE.bytes(mode))?;
+            }
+        }
+        Ok(())
     }
 
     /// Waits until a servo that was started anew answers again: a second at most.

@@ -224,7 +224,7 @@ pub(super) fn joint_name(arm: &Narrowed<'_>, index: usize) -> JointName {
     let joint = arm.joints().get(index);
     JointName {
         index,
-        name: joint.map_or("", |joint| joint.name).to_owned(),
+        name: joint.map_or("", |joint| joint.name).into(),
         kind: joint.map_or(JointKind::Revolute, |joint| joint.kind),
     }
 }

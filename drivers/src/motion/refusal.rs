@@ -14,14 +14,14 @@ pub struct Refusal {
     /// What is wrong there.
     pub reason: Reason,
     /// What else is wrong at that place: of joint values, everything that they break.
-    pub also: Vec<Reason>,
+    pub also: Box<[Reason]>,
 }
 
 /// What is wrong at one place, the first of it apart.
 #[derive(Debug)]
 pub(super) struct Reasons {
     pub(super) first: Reason,
-    also: Vec<Reason>,
+    also: Box<[Reason]>,
 }
 
 impl Reasons {
@@ -39,7 +39,7 @@ impl Reasons {
 
 impl From<Reason> for Reasons {
     fn from(first: Reason) -> Self {
-        Self { first, also: Vec::new() }
+        Self { first, also: Box::default() }
     }
 }
 
@@ -60,7 +60,7 @@ pub struct JointName {
     /// Index in q.
     pub index: usize,
     /// Its name in the table.
-    pub name: String,
+    pub name: Box<str>,
     /// Whether its numbers are radians or metres.
     pub kind: JointKind,
 }
@@ -177,10 +177,10 @@ impl From<Violation<'_>> for Reason {
         match violation {
             Violation::Length(error) => Self::Length(error),
             Violation::NotFinite { joint, name, .. } => {
-                Self::NotFinite(JointName { index: joint, name: name.to_owned(), kind: JointKind::Revolute })
+                Self::NotFinite(JointName { index: joint, name: name.into(), kind: JointKind::Revolute })
             }
             Violation::OutsideLimits { joint, name, kind, value, min, max } => {
-                let joint = JointName { index: joint, name: name.to_owned(), kind };
+                let joint = JointName { index: joint, name: name.into(), kind };
                 Self::OutsideLimits { joint, value, min, max }
             }
             Violation::Forbidden(rule) => Self::Forbidden(rule),
@@ -193,12 +193,12 @@ impl From<Violation<'_>> for Reason {
 impl Reason {
     /// Of a move, at no place on its way.
     pub(super) fn of_step(self, step: usize) -> Refusal {
-        Refusal { step, sample: None, reason: self, also: Vec::new() }
+        Refusal { step, sample: None, reason: self, also: Box::default() }
     }
 
     /// At a place on the way of a move.
     pub(super) fn at(self, step: usize, sample: Sample) -> Refusal {
-        Refusal { step, sample: Some(sample), reason: self, also: Vec::new() }
+        Refusal { step, sample: Some(sample), reason: self, also: Box::default() }
     }
 }
 

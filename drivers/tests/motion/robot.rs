@@ -127,13 +127,13 @@ fn a_refusal_says_which_move_sample_joint_and_rule() {
     let refusal = robot.plan(&[Move::joints(&[0.1; 6]), Move::joints(&[1.6; 6])]).unwrap_err();
     assert_eq!(refusal.step, 1);
     let Reason::OutsideLimits { joint, value, max, .. } = &refusal.reason else { panic!("{refusal}") };
-    assert_eq!((joint.index, joint.name.as_str(), *value), (0, "J1", 1.6));
+    assert_eq!((joint.index, &*joint.name, *value), (0, "J1", 1.6));
     assert!((max - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     // Everything that is wrong there is said.
     assert_eq!(refusal.also.len(), 1, "{refusal}");
     let Reason::OutsideLimits { joint, .. } = &refusal.also[0] else { panic!("{refusal}") };
     assert!(
-        joint.name == "J6" && refusal.to_string().contains("; joint 6 (J6) would be at 1.6"),
+        &*joint.name == "J6" && refusal.to_string().contains("; joint 6 (J6) would be at 1.6"),
         "{refusal}"
     );
     // Both ends are above the floor, what is between them is not.

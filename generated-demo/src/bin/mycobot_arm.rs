@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use device::{DeviceFlags, Failure};
+use dh_drivers::connect::wake;
 use dh_drivers::driver::{DeviceKind, DeviceSettings, JointMap};
 use dh_drivers::motion::{Move, Robot};
 use dh_drivers::mycobot::{Model, MyCobot};
@@ -83,7 +84,10 @@ fn connected(
 ) -> Result<(), Failure> {
     let settings = DeviceSettings { kind: DeviceKind::Mycobot, baud: model.baud() };
     let (port, joints) = flags.open(Arm, settings, JointMap::of_table(&Arm)?)?;
-    let driver = MyCobot::new(port, joints, model)?;
+    let mut driver = MyCobot::new(port, joints, model)?;
+    if wake(&mut driver)? {
+        eprintln!("the arm had no power, which was switched on: it holds where it is");
+    }
     let mut robot = Robot::new(&Arm, driver)?.with_poses(&Arm::POSES);
     device::stop_on_interrupt(robot.stop_handle())?;
     act(&mut robot)?;

@@ -56,8 +56,10 @@ impl DeviceFlags {
         mut joints: JointMap,
     ) -> Result<(Box<dyn Port>, JointMap), Failure> {
         if let Some(path) = &self.unit {
-            let unit = Unit::parse(&std::fs::read_to_string(path)?)?;
-            unit.apply(&mut joints)?;
+            let name = path.display();
+            let text = std::fs::read_to_string(path).map_err(|error| format!("{name}: {error}"))?;
+            let unit = Unit::parse(&text).map_err(|error| format!("{name}:{error}"))?;
+            unit.apply(&mut joints).map_err(|error| format!("{name}: {error}"))?;
         }
         let line = match &self.place.port {
             Some(name) => port::open(name, settings.baud, Arc::new(RealClock::new()))?,
