@@ -9,6 +9,7 @@ use dh_drivers::dynamixel::control_table::{MODELS, PRESENT_POSITION};
 use dh_drivers::dynamixel::{Bus, ServoSpec, SimulatedBus, Timing};
 use dh_drivers::port::{self, Exchange, Port, PortErrorKind, Recorded};
 use dh_drivers::simulate::{Line, Pty, TcpLine, serve};
+use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -165,4 +166,40 @@ fn a_recording_takes_only_what_it_recorded() {
     let mut buffer = [0; 4];
     assert_eq!((port.read(&mut buffer, Time::START).unwrap(), buffer[0], port.remaining()), (1, 3, 0));
     assert_eq!(port.read(&mut buffer, Time::START).unwrap_err().kind, PortErrorKind::TimedOut);
+}
+
+/// Who comes while a TCP line is taken is sent away at once; when it is free again, it is anybody's.
+#[test]
+fn a_tcp_line_has_one_end() {
+    let line = TcpLine::bind("127.0.0.1:0").unwrap();
+    let name = line.name();
+    let _served = Served::on(line);
+    let mut first = Bus::new(port::open(&name, 1_000_000, clock()).unwrap(), Timing::default());
+    assert_eq!(positions(&mut first), [1000, 1000]);
+    let mut second = Bus::new(port::open(&name, 1_000_000, clock()).unwrap(), Timing::default());
+    let error = second.ping(1).unwrap_err();
+    assert!(matches!(error.cause, Cause::Port(ref port) if port.kind == PortErrorKind::Gone), "{error}");
+    assert_eq!(positions(&mut first), [1000, 1000]);
+    drop(first);
+    let deadline = Instant::now() + Duration::from_secs(5);
+    while second.ping(1).is_err() {
+        assert!(Instant::now() < deadline, "the line is free");
+    }
+}
+
+/// Somebody who sends without end, faster than it can be read: calls end all the same.
+#[test]
+fn a_flood_holds_nobody_up() {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let name = format!("tcp:{}", listener.local_addr().unwrap());
+    let flood = std::thread::spawn(move || {
+        let (mut stream, _) = listener.accept().unwrap();
+        while stream.write_all(&[0xfe; 1 << 16]).is_ok() {}
+    });
+    let mut bus = Bus::new(port::open(&name, 1_000_000, clock()).unwrap(), Timing::default());
+    let start = Instant::now();
+    bus.ping(1).unwrap_err();
+    assert!(start.elapsed() < Duration::from_secs(3), "{:?}", start.elapsed());
+    drop(bus);
+    flood.join().unwrap();
 }

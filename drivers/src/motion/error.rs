@@ -20,7 +20,8 @@ pub enum MotionError {
         /// Where it should be (rad or m).
         expected: f64,
     },
-    /// The moves were checked for another arm; nothing was sent.
+    /// The moves were checked for another arm, tool or base, or for a device that is told otherwise where to go; nothing was
+    /// sent.
     OtherArm,
     /// The device did not do as it was told.
     Driver(DriverError),
@@ -107,7 +108,9 @@ impl fmt::Display for MotionError {
                     "{joint} is at {actual:.6} {unit}; the moves were checked from {expected:.6} {unit}"
                 )
             }
-            Self::OtherArm => f.write_str("the moves were checked for another arm"),
+            Self::OtherArm => {
+                f.write_str("the moves were checked for another arm, tool, base or kind of device")
+            }
             Self::Driver(error) => error.fmt(f),
             Self::Fault { joint: Some(joint), fault } => write!(f, "{joint}: {fault}"),
             Self::Fault { joint: None, fault } => fault.fmt(f),

@@ -1,6 +1,6 @@
 //! The checker: from what is asked for to commands that may be sent.
 
-use super::checked::{Checked, Leg};
+use super::checked::{Checked, Leg, Origin};
 use super::clearance;
 use super::command::Command;
 use super::course::Course;
@@ -121,7 +121,12 @@ impl<'k> Planner<'k> {
             let from = legs.last().map_or(start, Leg::goal).to_vec();
             legs.push(self.leg(&from, asked, step)?);
         }
-        Ok(Checked { legs })
+        Ok(Checked { legs, origin: self.origin() })
+    }
+
+    /// What moves are checked for.
+    pub(super) fn origin(&self) -> Origin {
+        Origin::of(&self.arm, self.pace)
     }
 
     fn leg(&self, start: &[f64], asked: &Move, step: usize) -> Result<Leg, Refusal> {

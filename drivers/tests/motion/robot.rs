@@ -2,10 +2,11 @@
 
 use super::memory::{Memory, STREAM};
 use super::{Crane, MyCobot, Planar};
+use dh_drivers::Driver;
 use dh_drivers::clock::{Clock, Time};
 use dh_drivers::driver::{Fault, Pace};
-use dh_drivers::motion::{MotionError, Move, Reason, Robot};
-use dh_runtime::{Kinematics, Target};
+use dh_drivers::motion::{MotionError, Move, Planner, Reason, Robot};
+use dh_runtime::{Frame, Kinematics, Mounted, Target};
 use std::time::Duration;
 
 const TWO_TICKS: f64 = 2.0 * std::f64::consts::TAU / 4096.0;
@@ -160,6 +161,27 @@ fn an_arm_that_was_moved_by_hand_is_planned_for_anew() {
     robot.go(&[Move::joints(&[0.5, 0.5])]).unwrap();
     assert_near(&arm.lock().unwrap().positions(), &[0.5, 0.5], 1e-9);
     assert!(arm.lock().unwrap().sent[0].1[0] < -0.39);
+}
+
+#[test]
+fn what_was_checked_for_another_arm_is_not_made() {
+    let driver = Memory::new(&Planar, STREAM, &[0.0; 2]);
+    let arm = driver.arm.clone();
+    let joints = driver.joints().clone();
+    let mut robot = Robot::new(&Planar, driver).unwrap();
+    let moves = [Move::joints(&[0.5, 0.5])];
+    let start = [0.0; 2];
+    let longer = Mounted::new(&Planar).with_tool(Frame::from_rpy([0.05, 0.0, 0.0], [0.0; 3]));
+    let elsewhere = Mounted::new(&Planar).with_base(Frame::from_rpy([0.0, 0.0, 0.1], [0.0; 3]));
+    let others: [(&dyn Kinematics, Pace); 3] =
+        [(&longer, STREAM), (&elsewhere, STREAM), (&Planar, Pace::PointToPoint)];
+    for (other, pace) in others {
+        let checked = Planner::new(other, &joints, pace).unwrap().plan(&start, &moves).unwrap();
+        assert_eq!(robot.run(&checked, &mut |_| {}), Err(MotionError::OtherArm));
+    }
+    assert!(arm.lock().unwrap().sent.is_empty());
+    let own = Planner::new(&Planar, &joints, STREAM).unwrap().plan(&start, &moves).unwrap();
+    robot.run(&own, &mut |_| {}).unwrap();
 }
 
 /// Half a second into a long move something happens; the arm stands still afterwards, and well short of the goal.

@@ -37,7 +37,8 @@ impl<D: Driver> Robot<'_, D> {
         };
         let fingerprint = self.arm().fingerprint();
         let mut commands = checked.legs.iter().flat_map(|leg| &leg.commands);
-        if commands.any(|command| command.fingerprint() != fingerprint) {
+        let other = commands.any(|command| command.fingerprint() != fingerprint);
+        if other || checked.origin != self.planner.origin() {
             return Err(MotionError::OtherArm);
         }
         let seen = self.read()?.positions();

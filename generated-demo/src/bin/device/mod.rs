@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each program uses some of it")]
 
 use std::error::Error;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -122,10 +122,12 @@ pub(crate) fn numbers<const N: usize>(line: &str) -> Result<[f64; N], Failure> {
     numbers.try_into().map_err(|_| format!("{count} numbers where {N} are needed").into())
 }
 
-/// Lines from the keyboard, each asked for.
+/// Lines from the keyboard, each asked for; lines of a file come unasked.
 pub(crate) fn ask(prompt: &str) -> Result<Option<String>, Failure> {
-    eprint!("{prompt}");
-    io::stderr().flush()?;
+    if io::stdin().is_terminal() {
+        eprint!("{prompt}");
+        io::stderr().flush()?;
+    }
     let mut line = String::new();
     Ok((io::stdin().read_line(&mut line)? > 0).then(|| line.trim().to_owned()))
 }
