@@ -10,11 +10,11 @@ use crate::json::Json;
 use crate::list::List;
 use crate::robot::Robot;
 use crate::units::{Units, fixed};
-use dh_codegen::model::{JointKind, Model};
+use dh_codegen::model::{self, JointKind, Model};
 use dh_codegen::verify::Level;
-use dh_core::{Frame, Mounted, NamedPose, TargetKind};
+use dh_core::{Frame, Limits, Mounted, NamedPose, TargetKind};
 use dh_drivers::clock::RealClock;
-use dh_drivers::driver::{Driver, Effort, JointMap};
+use dh_drivers::driver::{Attachment, AttachmentUnit, DeviceJoint, Driver, Effort, JointMap};
 use dh_drivers::motion::{self, Move};
 use dh_drivers::unit::Unit;
 use dh_drivers::{connect, port};
@@ -86,7 +86,9 @@ pub(crate) fn with(
     }
     let port = port::open(&flags.port, settings.baud, Arc::new(RealClock::new()))
         .map_err(|error| Refusal::new("port", error.to_string()))?;
-    let mut driver = connect::connect(settings, joints, port).map_err(|error| match error {
+    let attachments = robot.model().servos.iter().map(attachment).collect::<Result<_, _>>()?;
+    let driver = connect::connect_with(settings, joints, attachments, port);
+    let mut driver = driver.map_err(|error| match error {
         connect::ConnectError::Driver(error) => refusal::of_driver(&error),
         other => Refusal::new("device", other.to_string()),
     })?;
@@ -101,6 +103,14 @@ pub(crate) fn with(
     let robot_in_motion = robot_in_motion.with_poses(&poses);
     interrupt::install(&robot_in_motion.stop_handle())?;
     act(&mut Arm { robot: robot_in_motion, model: robot.model() })
+}
+
+/// A servo outside the chain.
+fn attachment(named: &model::NamedServo) -> Result<DeviceJoint, Refusal> {
+    let model::Servo { id, scale, zero, range, ref model } = named.servo;
+    let range = range.map(|range| Limits { min: range.min, max: range.max });
+    let servo = dh_core::Servo { id, scale, zero, range, model: model.as_deref() };
+    DeviceJoint::of_servo(&named.name, servo).map_err(|error| Refusal::new("servo", error.to_string()))
 }
 
 fn named_pose(pose: &dh_codegen::model::NamedPose) -> NamedPose<'_> {
@@ -212,6 +222,51 @@ impl Arm<'_> {
     /// What the device says.
     pub(crate) fn clear_faults(&mut self) -> Result<(), Refusal> {
         self.robot.clear_faults().map_err(|error| refusal::of(self.model, &error))
+    }
+
+    /// What the device moves besides the joints, by its name.
+    pub(crate) fn attachment(&mut self, name: &str) -> Option<Attachment> {
+        self.robot.driver().attachments().into_iter().find(|attachment| attachment.name == name)
+    }
+
+    /// Moves an attachment to a value in the table's unit of angle, or percent.
+    ///
+    /// # Errors
+    /// Where that is out of its range, or what the device says.
+    pub(crate) fn move_attachment(&mut self, which: &Attachment, value: f64) -> Result<(), Refusal> {
+        let value_in_si = match which.unit {
+            AttachmentUnit::Angle => self.units().radians(value),
+            AttachmentUnit::Percent => value,
+        };
+        if !which.range.contains(value_in_si) {
+            let shown = [value_in_si, which.range.min, which.range.max];
+            let [value, min, max] = shown.map(|value| self.show_attachment(which, value));
+            return Err(Refusal::new(
+                "attachment",
+                format!("{} takes {min} to {max}, not {value}", which.name),
+            ));
+        }
+        let outcome = self.robot.driver().move_attachment(&which.name, value_in_si);
+        outcome.map_err(|error| refusal::of_driver(&error))
+    }
+
+    /// Where an attachment is, for people.
+    ///
+    /// # Errors
+    /// What the device says.
+    pub(crate) fn read_attachment(&mut self, which: &Attachment) -> Result<String, Refusal> {
+        let value = self.robot.driver().read_attachment(&which.name);
+        Ok(self.show_attachment(which, value.map_err(|error| refusal::of_driver(&error))?))
+    }
+
+    fn show_attachment(&self, which: &Attachment, value: f64) -> String {
+        match which.unit {
+            AttachmentUnit::Angle => {
+                let units = self.units();
+                format!("{} {}", show(units, JointKind::Revolute, value), units.angle_name())
+            }
+            AttachmentUnit::Percent => format!("{value:.0} %"),
+        }
     }
 
     /// Switches the torque on.

@@ -29,6 +29,7 @@ Commands, with values in the table's units:
   hold                        torque on
   clear                       has the device forget its faults; joints that had one may lose their torque by it
   release [anywhere]          torque off, in a safe pose or wherever the arm is
+  NAME [VALUE]                what the arm has besides joints: gripper (percent, of a myCobot) or a [[servo]] of the table
   help, quit                  when the console is left the arm holds
 
 NUMBERS are those of the problem's target: x y z of a position, x y of xy, x y z yaw, x y z roll pitch yaw of a pose,
@@ -75,6 +76,16 @@ enum Next {
 }
 
 fn command(arm: &mut Arm<'_>, pace: &mut Pace, words: &[&str], out: &mut dyn Write) -> Result<Next, Failure> {
+    if let [name, value @ ..] = words
+        && let Some(attachment) = arm.attachment(name)
+    {
+        match value {
+            [] => writeln!(out, "{name} at {}", arm.read_attachment(&attachment)?)?,
+            [value] => arm.move_attachment(&attachment, number(value)?)?,
+            _ => return Err(wrong(format!("{name} takes one value")).into()),
+        }
+        return Ok(Next::Go);
+    }
     match words {
         [] => {}
         ["quit" | "exit" | "q"] => return Ok(Next::Quit),
@@ -123,11 +134,12 @@ fn asked(arm: &Arm<'_>, words: &[&str]) -> Result<Move, Refusal> {
 }
 
 fn numbers(words: &[&str]) -> Result<Vec<f64>, Refusal> {
-    let number = |word: &&str| {
-        let number = word.parse().ok().filter(|x: &f64| x.is_finite());
-        number.ok_or_else(|| Refusal::new("command", format!("`{word}` is no number")))
-    };
-    words.iter().map(number).collect()
+    words.iter().map(|word| number(word)).collect()
+}
+
+fn number(word: &str) -> Result<f64, Refusal> {
+    let number = word.parse().ok().filter(|x: &f64| x.is_finite());
+    number.ok_or_else(|| wrong(format!("`{word}` is no number")))
 }
 
 /// A problem's name, if it is given, and its target.

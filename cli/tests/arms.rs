@@ -245,3 +245,20 @@ fn a_mycobot_goes_tool_down_and_is_laid_to_rest() {
     assert!(run.stderr.contains("the nearest safe pose is rest"), "{}", run.stderr);
     assert_eq!(run.stdout.matches("hand at").count(), 1, "{} {}", run.stdout, run.stderr);
 }
+
+/// The CRANE-X7's hand is a servo of its table, the myCobot's gripper one of its own.
+#[test]
+fn what_an_arm_has_besides_joints_is_moved_in_the_console() {
+    for (table, name, value, beyond) in
+        [("crane_x7", "hand", "0.3", "4"), ("mycobot", "gripper", "40", "101")]
+    {
+        let sim = Sim::of(table);
+        let script = format!("{name} {value}\n{name} {beyond}\n{name} x\n");
+        let run = dhc_reading(&format!("console {table} --port {}", sim.port), script.as_bytes());
+        assert!(run.stderr.contains(&format!("line 2: error: {name} takes")), "{}", run.stderr);
+        assert!(run.stderr.contains("line 3: error: `x` is no number"), "{}", run.stderr);
+        std::thread::sleep(std::time::Duration::from_secs(2));
+        let run = dhc_reading(&format!("console {table} --port {}", sim.port), name.as_bytes());
+        assert!(run.stdout.starts_with(&format!("{name} at {value}")), "{} {}", run.stdout, run.stderr);
+    }
+}

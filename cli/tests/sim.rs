@@ -1,7 +1,6 @@
 //! `dhc sim`: what it prints, how it ends, what it refuses.
 
 #![cfg(unix)]
-#![expect(clippy::unwrap_used, reason = "a device that does not start is a failure")]
 
 mod common;
 

@@ -54,6 +54,26 @@ pub fn connect(
     })
 }
 
+/// The same with servos besides those of the joints: a table's `[[servo]]`. Drivers whose devices have attachments of
+/// their own take none.
+///
+/// # Errors
+/// As [`connect`], and where such a servo is another one than the table says.
+pub fn connect_with(
+    settings: DeviceSettings,
+    joints: JointMap,
+    attachments: Vec<DeviceJoint>,
+    port: Box<dyn Port>,
+) -> Result<Box<dyn Driver>, ConnectError> {
+    if settings.kind != DeviceKind::Dynamixel {
+        return connect(settings, joints, port);
+    }
+    let bus = dynamixel::Bus::new(port, dynamixel::Timing::default());
+    let arm = dynamixel::Arm::connect(bus, joints, dynamixel::Settings::default());
+    let arm = arm.and_then(|arm| arm.with_attachments(attachments)).map_err(ConnectError::Driver)?;
+    Ok(Box::new(arm))
+}
+
 /// Switches on a device that does not know where it is without power; it holds there. Whether that was needed.
 ///
 /// # Errors

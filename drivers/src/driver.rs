@@ -6,6 +6,7 @@ mod joint;
 
 use crate::clock::{Clock, Time};
 use crate::motion::Command;
+use dh_runtime::Limits;
 use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
@@ -88,6 +89,27 @@ pub enum Watchdog {
     None,
 }
 
+/// What a device moves besides the joints: a gripper, mostly. It is no part of the kinematics; what moves it is checked
+/// against its own range and nothing else.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Attachment {
+    /// What it is called.
+    pub name: String,
+    /// What its values are.
+    pub unit: AttachmentUnit,
+    /// Its least and greatest value.
+    pub range: Limits,
+}
+
+/// What the values of an [`Attachment`] are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AttachmentUnit {
+    /// rad
+    Angle,
+    /// How far it is open, of all it opens, in percent.
+    Percent,
+}
+
 impl fmt::Display for Watchdog {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -159,6 +181,29 @@ pub trait Driver: fmt::Debug + Send {
     /// # Errors
     /// [`DriverError`]
     fn watchdog(&mut self, timeout: Option<Duration>) -> Result<Watchdog, DriverError>;
+
+    /// What it moves besides the joints.
+    fn attachments(&self) -> Vec<Attachment> {
+        Vec::new()
+    }
+
+    /// Moves an attachment, switching it on where it is off, and returns long before it is there.
+    ///
+    /// # Errors
+    /// [`DriverError`]; [`Cause::Unsupported`] where there is none of that name, [`Cause::OutsideRange`] before anything
+    /// is sent.
+    fn move_attachment(&mut self, name: &str, value: f64) -> Result<(), DriverError> {
+        let _ = value;
+        Err(DriverError::new(self.name(), "move attachment", Cause::Unsupported).of_joint(name))
+    }
+
+    /// Where an attachment is.
+    ///
+    /// # Errors
+    /// [`DriverError`]; [`Cause::Unsupported`] where there is none of that name.
+    fn read_attachment(&mut self, name: &str) -> Result<f64, DriverError> {
+        Err(DriverError::new(self.name(), "read attachment", Cause::Unsupported).of_joint(name))
+    }
 }
 
 /// What opens a device by its table's driver gives a `Box<dyn Driver>`, which is one itself.
@@ -189,6 +234,15 @@ impl<D: Driver + ?Sized> Driver for Box<D> {
     }
     fn clear_faults(&mut self) -> Result<(), DriverError> {
         (**self).clear_faults()
+    }
+    fn attachments(&self) -> Vec<Attachment> {
+        (**self).attachments()
+    }
+    fn move_attachment(&mut self, name: &str, value: f64) -> Result<(), DriverError> {
+        (**self).move_attachment(name, value)
+    }
+    fn read_attachment(&mut self, name: &str) -> Result<f64, DriverError> {
+        (**self).read_attachment(name)
     }
     fn watchdog(&mut self, timeout: Option<Duration>) -> Result<Watchdog, DriverError> {
         (**self).watchdog(timeout)

@@ -194,7 +194,7 @@ fn a_flood_holds_nobody_up() {
     let name = format!("tcp:{}", listener.local_addr().unwrap());
     let flood = std::thread::spawn(move || {
         let (mut stream, _) = listener.accept().unwrap();
-        while stream.write_all(&[0xfe; 1 << 16]).is_ok() {}
+        while stream.write_all(&[0xfe; 4096]).is_ok() {}
     });
     let mut bus = Bus::new(port::open(&name, 1_000_000, clock()).unwrap(), Timing::default());
     let start = Instant::now();

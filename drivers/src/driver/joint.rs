@@ -55,6 +55,14 @@ impl DeviceJoint {
         })
     }
 
+    /// A servo that is no joint, of this name.
+    ///
+    /// # Errors
+    /// Where it has no id, or numbers that are none.
+    pub fn of_servo(name: &str, servo: Servo<'_>) -> Result<Self, MapError> {
+        Self::of_table(&Joint { servo: Some(servo), ..Joint::revolute(name) })
+    }
+
     /// The device value of a joint value (rad or m); neither rounded nor held in the range.
     pub fn to_device(&self, q: f64) -> f64 {
         self.servo().to_device(q)

@@ -1,5 +1,6 @@
 //! An arm of Dynamixel servos as motion sees it.
 
+mod attachment;
 mod command;
 mod setup;
 mod state;
@@ -11,7 +12,7 @@ use super::control_table::{
 };
 use super::status::hardware_fault;
 use crate::clock::{Clock, Time};
-use crate::driver::{Cause, Driver, DriverError, Fault, JointMap, Pace, State, Watchdog};
+use crate::driver::{Attachment, Cause, Driver, DriverError, Fault, JointMap, Pace, State, Watchdog};
 use crate::motion::Command;
 use std::sync::Arc;
 use std::time::Duration;
@@ -72,6 +73,7 @@ pub struct Arm {
     bus: Bus,
     map: JointMap,
     servos: Vec<Servo>,
+    attached: Vec<attachment::Attached>,
     settings: Settings,
     period: Duration,
     torque: Torque,
@@ -306,6 +308,7 @@ impl Driver for Arm {
             self.torque = Torque::On;
         } else {
             self.switch("torque off", false)?;
+            self.release_attached()?;
             self.torque = Torque::Off;
         }
         Ok(())
@@ -337,6 +340,18 @@ impl Driver for Arm {
         }
         self.fault = None;
         Ok(())
+    }
+
+    fn attachments(&self) -> Vec<Attachment> {
+        Arm::attachments(self)
+    }
+
+    fn move_attachment(&mut self, name: &str, value: f64) -> Result<(), DriverError> {
+        self.move_attached(name, value)
+    }
+
+    fn read_attachment(&mut self, name: &str) -> Result<f64, DriverError> {
+        self.read_attached(name)
     }
 
     fn watchdog(&mut self, timeout: Option<Duration>) -> Result<Watchdog, DriverError> {

@@ -17,7 +17,9 @@ use super::reply::{ArmError, Reply};
 use super::request::Request;
 use super::{Model, six};
 use crate::clock::{Clock, Time};
-use crate::driver::{Cause, Driver, DriverError, Fault, JointMap, MapError, Pace, State, Watchdog};
+use crate::driver::{
+    Attachment, AttachmentUnit, Cause, Driver, DriverError, Fault, JointMap, MapError, Pace, State, Watchdog,
+};
 use crate::motion::Command;
 use crate::port::Port;
 
@@ -34,6 +36,9 @@ const STARTING_LOOK: Duration = Duration::from_millis(200);
 const OPENING: Duration = Duration::from_secs(4);
 /// How often temperatures are asked for, of an arm at rest: they are not what a move should wait for.
 const TEMPERATURES: Duration = Duration::from_secs(2);
+/// What its gripper is called, and its speed in percent where none is given.
+const GRIPPER: &str = "gripper";
+const GRIPPER_SPEED: u8 = 50;
 /// What a joint does at a speed of 100 %, where the table does not say (rad/s): the maker's 160 degrees a second.
 const FULL_SPEED: f64 = 160.0 * std::f64::consts::PI / 180.0;
 
@@ -393,6 +398,31 @@ impl Driver for MyCobot {
 
     fn clear_faults(&mut self) -> Result<(), DriverError> {
         self.call(|arm| arm.link.acknowledge(&Request::plain(C::ClearErrorInformation)))
+    }
+
+    fn attachments(&self) -> Vec<Attachment> {
+        let range = Limits { min: 0.0, max: 100.0 };
+        vec![Attachment { name: GRIPPER.to_owned(), unit: AttachmentUnit::Percent, range }]
+    }
+
+    fn move_attachment(&mut self, name: &str, value: f64) -> Result<(), DriverError> {
+        let error =
+            |cause| DriverError::new(self.link.name(), C::SetGripperValue.name(), cause).of_joint(name);
+        if name != GRIPPER {
+            return Err(error(Cause::Unsupported));
+        }
+        if !(0.0..=100.0).contains(&value) {
+            return Err(error(Cause::OutsideRange { value, min: 0.0, max: 100.0 }));
+        }
+        self.set_gripper_opening(value.round() as u8, GRIPPER_SPEED)
+    }
+
+    fn read_attachment(&mut self, name: &str) -> Result<f64, DriverError> {
+        if name != GRIPPER {
+            let error = DriverError::new(self.link.name(), C::GetGripperValue.name(), Cause::Unsupported);
+            return Err(error.of_joint(name));
+        }
+        self.gripper_opening().map(f64::from)
     }
 
     fn watchdog(&mut self, _timeout: Option<Duration>) -> Result<Watchdog, DriverError> {
