@@ -220,6 +220,10 @@ fn a_tool_and_a_base_of_the_day() {
     let to = "--base 0.1,-0.1,0.3 --problem xy --position 0.25,0 --json";
     let hand = dhc(&format!("move planar2r --port {} {to}", sim.port)).json();
     assert_near(&numbers(&hand["hand"]["position"]), &[0.25, 0.0, 0.3], 2.0 * TWO_TICKS * 0.28);
+    // The table's problem holds the hand, the tool's point is where it is sent.
+    let to = "--tool 0.03,0,0 --problem xy_elbow_up --position 0.15,0.12 --json";
+    let hand = dhc(&format!("move planar2r --port {} {to}", sim.port)).json();
+    assert_near(&numbers(&hand["hand"]["position"]), &[0.15, 0.12, 0.0], 2.0 * TWO_TICKS * 0.31);
     let stderr = dhc(&format!("read planar2r --port {} --tool 1,2", sim.port)).failed(2);
     assert!(stderr.contains("--tool has 2 numbers where 3 or 6 are needed"), "{stderr}");
 }
