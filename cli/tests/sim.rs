@@ -45,7 +45,7 @@ fn refuses_what_it_cannot_simulate() {
 /// Over TCP, at an M5's rate, on a bad line: the arm is read, and who comes second is sent away.
 #[test]
 fn listens_where_it_is_told_to() {
-    let flags = "--listen 127.0.0.1:0 --baud 115200 --faults 5";
+    let flags = "--listen 127.0.0.1:0 --baud 115200 --faults 1";
     let mut child = command(&format!("sim mycobot {flags}")).spawn().unwrap();
     let mut line = String::new();
     BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
