@@ -14,7 +14,9 @@ use dh_codegen::model::{self, JointKind, Model};
 use dh_codegen::verify::Level;
 use dh_core::{Frame, Limits, Mounted, NamedPose, TargetKind};
 use dh_drivers::clock::RealClock;
-use dh_drivers::driver::{Attachment, AttachmentUnit, DeviceJoint, Driver, Effort, JointMap};
+use dh_drivers::driver::{Attachment, AttachmentUnit, DeviceJoint, DeviceKind, Driver, Effort, JointMap};
+use dh_drivers::dynamixel::control_table::POSITION_MODE;
+use dh_drivers::dynamixel::{Bus, Timing};
 use dh_drivers::motion::{self, Move};
 use dh_drivers::unit::Unit;
 use dh_drivers::{connect, port};
@@ -36,6 +38,9 @@ pub(crate) struct DeviceFlags {
     /// Bits per second of the port, where the arm is not set up as its table says (115200: a myCobot with an M5).
     #[arg(long, value_name = "RATE", value_parser = clap::value_parser!(u32).range(1..))]
     baud: Option<u32>,
+    /// Set Dynamixel servos to position mode first, which they keep; those whose torque is on refuse.
+    #[arg(long)]
+    position_mode: bool,
     /// Servo zeros and signs of this very arm, as `dhc calibrate` writes them.
     #[arg(long, value_name = "FILE")]
     pub(crate) unit: Option<PathBuf>,
@@ -84,8 +89,16 @@ pub(crate) fn with(
             .apply(&mut joints)
             .map_err(|error| Refusal::new("unit", format!("{}: {error}", path.display())))?;
     }
-    let port = port::open(&flags.port, settings.baud, Arc::new(RealClock::new()))
-        .map_err(|error| Refusal::new("port", error.to_string()))?;
+    let open = || {
+        let port = port::open(&flags.port, settings.baud, Arc::new(RealClock::new()));
+        port.map_err(|error| Refusal::new("port", error.to_string()))
+    };
+    if flags.position_mode && settings.kind == DeviceKind::Dynamixel {
+        let ids: Vec<u8> = joints.joints.iter().filter_map(|joint| joint.id.try_into().ok()).collect();
+        let outcome = Bus::new(open()?, Timing::default()).set_operating_mode(&ids, POSITION_MODE);
+        outcome.map_err(|error| refusal::of_driver(&error))?;
+    }
+    let port = open()?;
     let attachments = robot.model().servos.iter().map(attachment).collect::<Result<_, _>>()?;
     let driver = connect::connect_with(settings, joints, attachments, port);
     let mut driver = driver.map_err(|error| match error {

@@ -6,11 +6,13 @@
 mod common;
 
 use common::{command, dhc, dhc_reading};
+use dh_drivers::clock::RealClock;
+use dh_drivers::dynamixel::{Bus, Timing};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A simulated device; it ends with its test.
 struct Sim {
@@ -265,4 +267,18 @@ fn what_an_arm_has_besides_joints_is_moved_in_the_console() {
         let run = dhc_reading(&format!("console {table} --port {}", sim.port), name.as_bytes());
         assert!(run.stdout.starts_with(&format!("{name} at {value}")), "{} {}", run.stdout, run.stderr);
     }
+}
+
+/// A servo in velocity mode takes no goals: the help says what sets it right.
+#[test]
+fn servos_are_set_to_position_mode_on_request() {
+    let sim = Sim::of("planar2r");
+    {
+        let line = dh_drivers::port::open(&sim.port, 57_600, Arc::new(RealClock::new())).unwrap();
+        Bus::new(line, Timing::default()).set_operating_mode(&[2], 1).unwrap();
+    }
+    let stderr = dhc(&format!("read planar2r --port {}", sim.port)).failed(1);
+    assert!(stderr.contains("J2, connect: operating mode is set to 1") && stderr.contains("--position-mode"));
+    dhc(&format!("read planar2r --port {} --position-mode", sim.port)).good();
+    dhc(&format!("read planar2r --port {}", sim.port)).good();
 }

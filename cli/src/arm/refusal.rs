@@ -83,6 +83,9 @@ pub(super) fn of(model: &Model, error: &MotionError) -> Refusal {
     }
 }
 
+/// What the driver calls it.
+const OPERATING_MODE: &str = "operating mode";
+
 /// What to do about a latched fault.
 const CLEAR: &str = "see to its cause; `clear` in dhc console has the device forget it";
 
@@ -96,6 +99,9 @@ pub(super) fn of_driver(error: &DriverError) -> Refusal {
         ),
         Cause::Fault(_) => told.help(CLEAR),
         Cause::PowerOff => told.help("a move switches it on, and so does dhc console, where it holds"),
+        Cause::LimitsDiffer { what: OPERATING_MODE, .. } => {
+            told.help("--position-mode sets it, where the torque is off")
+        }
         Cause::LimitsDiffer { .. } => told.help("set the servo up anew, or write into the table what it is set to"),
         Cause::WrongModel { .. } => told.help("is it this arm's port? Else correct the servo's model in the table"),
         _ => told,

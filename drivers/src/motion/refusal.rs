@@ -268,7 +268,9 @@ impl fmt::Display for Reason {
             Self::TooLong { needed, allowed } => {
                 write!(f, "the move takes {needed:.3} s, longer than {allowed:.3} s")
             }
-            Self::Setting { what, value } => write!(f, "{what} of {value} makes no sense"),
+            Self::Setting { what, value } => {
+                write!(f, "{what} of {value} makes no sense: it is a number above 0, and a part at most 1")
+            }
             Self::Profile(error) => error.fmt(f),
         }
     }
