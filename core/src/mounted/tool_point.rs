@@ -12,6 +12,12 @@ use crate::{Float, Frame, IkError, JointKind, Kinematics, MAX_JOINTS, SolutionSe
 /// More steps than this find nothing.
 const STEPS: u32 = 40;
 
+/// So many places all over the workspace are begun at.
+const ELSEWHERE: u32 = 8;
+
+/// The root of x⁷ + x⁶ = 1: the ratio of the sequence of the lowest discrepancy in six dimensions \[Roberts 2018\].
+const RATIO: f64 = 0.898_653_712_628_699_3;
+
 /// So often a step is halved that leads to where there are no solutions.
 const HALVINGS: u32 = 8;
 
@@ -60,7 +66,7 @@ pub(super) fn is_of_place<S: Float>(target: &Target<S>, tool: &Frame<S>) -> bool
 
 /// Fills the set with solutions of `target` for the mounted arm; `solve` solves targets for the same arm without the
 /// tool. Those are found that a branch of the target itself leads to, or one of a place beside it, a tool's length away,
-/// or between it and the base.
+/// between it and the base, or anywhere in the workspace.
 pub(super) fn solve<S: Float>(
     mounted: &dyn Kinematics<S>,
     (base, tool): (&Frame<S>, &Frame<S>),
@@ -81,11 +87,16 @@ pub(super) fn solve<S: Float>(
         add(base.translation, way)
     };
     let sides = [0, 1, 2].map(|axis| [beside(axis, reach), beside(axis, -reach)]);
-    let starts = sides.iter().flatten().copied().chain([inwards(0.5), inwards(0.75), wanted]);
+    let tool_point = |number| {
+        let q = sample(mounted, number);
+        mounted.fk(q.get(..mounted.dof())?).ok().map(|frame| frame.translation)
+    };
+    let elsewhere = (1..=ELSEWHERE).filter_map(tool_point);
+    let near = sides.iter().flatten().copied().chain([inwards(0.5), inwards(0.75), wanted]);
     let mut found = Solutions::empty();
     let mut outcome = Ok(());
     let mut begun = SolutionSet::new();
-    for start in starts {
+    for start in elsewhere.chain(near) {
         outcome = placed(target, start).map_or(Ok(()), |beside| solve(&beside, &mut begun));
         if outcome.is_ok() {
             for branch in begun.iter() {
@@ -100,6 +111,19 @@ pub(super) fn solve<S: Float>(
     }
     out.fill_padded(mounted.dof(), found);
     Ok(())
+}
+
+/// Joint values within the limits (a turn where there are none), which fill them evenly: an additive recurrence.
+fn sample<S: Float>(arm: &dyn Kinematics<S>, number: u32) -> [S; MAX_JOINTS] {
+    let mut q = [S::ZERO; MAX_JOINTS];
+    let mut factor = S::ONE;
+    for (value, joint) in q.iter_mut().zip(arm.joints()) {
+        factor *= S::from_f64(RATIO);
+        let part = S::from_f64(0.5) + factor * S::from_f64(f64::from(number));
+        let (min, max) = joint.limits.map_or((-S::PI, S::PI), |limits| (limits.min, limits.max));
+        *value = min + (part - part.floor()) * (max - min);
+    }
+    q
 }
 
 struct Search<'s, S: Float> {

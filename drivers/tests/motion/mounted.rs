@@ -46,7 +46,7 @@ fn solved(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(ProptestConfig::with_cases(300))]
 
     /// The forearm is held, so that the hand's rotation is the same everywhere: no solution is missed.
     #[test]
