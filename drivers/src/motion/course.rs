@@ -2,6 +2,7 @@
 
 use super::profile::Profile;
 use super::spline::Spline;
+use super::timing::Timing;
 
 /// Velocities are looked at so often (s), and at least so many times.
 const LOOK_PERIOD: f64 = 0.02;
@@ -12,14 +13,15 @@ pub(super) enum Course {
     /// All joints at once.
     Joints(Profile),
     /// Along a path: the way over time, and the joints by the way.
-    Path { timing: Profile, joints: Spline },
+    Path { timing: Timing, joints: Spline },
 }
 
 impl Course {
     /// How long it takes (s).
     pub(super) fn duration(&self) -> f64 {
         match self {
-            Course::Joints(profile) | Course::Path { timing: profile, .. } => profile.duration(),
+            Course::Joints(profile) => profile.duration(),
+            Course::Path { timing, .. } => timing.duration(),
         }
     }
 
@@ -29,8 +31,6 @@ impl Course {
             Course::Joints(profile) => profile.at(time),
             Course::Path { timing, joints } => {
                 let (way, speed) = timing.at(time);
-                let (way, speed) =
-                    (way.first().copied().unwrap_or(0.0), speed.first().copied().unwrap_or(0.0));
                 let at = joints.at(way);
                 (at.value, at.first.iter().map(|slope| slope * speed).collect())
             }
