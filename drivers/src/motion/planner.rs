@@ -10,7 +10,6 @@ use super::moves::{Goal, Move};
 use super::narrowed::Narrowed;
 use super::out_of_step;
 use super::path::{self, NoPath, Path};
-use super::profile::Profile;
 use super::refusal::{JointName, Reason, Reasons, Refusal, Sample};
 use super::settings::Tolerance;
 use super::timing;
@@ -165,10 +164,10 @@ impl<'k> Planner<'k> {
         let to = |goal: &[f64]| {
             let end = Sample { index: 1, count: 2, part: 1.0 };
             self.allowed(goal).map_err(|reason| reason.at(step, end))?;
-            let profile = Profile::new(start, goal, &dynamics);
-            let profile = profile.map_err(|error| Reason::Profile(error).of_step(step))?;
-            let duration = profile.duration();
-            Ok(vec![(Course::Joints(profile), vec![duration])])
+            let course = Course::between(start, goal, &dynamics, self.pace);
+            let course = course.map_err(|error| Reason::Profile(error).of_step(step))?;
+            let duration = course.duration();
+            Ok(vec![(course, vec![duration])])
         };
         match &asked.goal {
             Goal::Joints(q) => to(q),

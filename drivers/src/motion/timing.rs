@@ -55,6 +55,20 @@ impl Timing {
     }
 }
 
+/// The straight way (in joint space) from 0 to 1, for joints that leave and arrive together, each at the same part of its
+/// way: how devices go that make their own profiles.
+pub(super) fn straight(start: &[f64], goal: &[f64], dynamics: &[Dynamics]) -> Result<Timing, ProfileError> {
+    let infinite = f64::INFINITY;
+    let mut least = Dynamics { velocity: infinite, acceleration: infinite, jerk: infinite };
+    for ((from, to), limits) in start.iter().zip(goal).zip(dynamics).filter(|((from, to), _)| from != to) {
+        let way = (to - from).abs();
+        least.velocity = least.velocity.min(limits.velocity / way);
+        least.acceleration = least.acceleration.min(limits.acceleration / way);
+        least.jerk = least.jerk.min(limits.jerk / way);
+    }
+    Ok(Timing { profile: Profile::new(&[0.0], &[1.0], &[least])?, slowed: None })
+}
+
 /// The derivatives by time of a curve x(s), s having the derivatives v, a and j by time: x' v, x' a + x'' v², x' j +
 /// 3 x'' v a + x''' v³; one coordinate after the other.
 fn chained(at: &Derivatives, [v, a, j]: [f64; 3]) -> impl Iterator<Item = [f64; 3]> {
