@@ -93,7 +93,7 @@ pub(super) fn solve<S: Float>(
     };
     let elsewhere = (1..=ELSEWHERE).filter_map(tool_point);
     let near = sides.iter().flatten().copied().chain([inwards(0.5), inwards(0.75), wanted]);
-    let mut found = Solutions::empty();
+    let mut found = Solutions::EMPTY;
     let mut outcome = Ok(());
     let mut begun = SolutionSet::new();
     for start in elsewhere.chain(near) {
