@@ -103,6 +103,8 @@ pub struct Chart {
     pub divided: bool,
     /// Degree of the polynomial.
     pub degree: u8,
+    /// How often it repeats itself in a turn of the joint; its degree is that of one period.
+    pub periods: u8,
 }
 
 impl Chart {
@@ -115,7 +117,13 @@ impl Chart {
         divided: bool,
         degree: u8,
     ) -> Self {
-        Self { dropped, backward, hidden, swapped, divided, degree }
+        Self { dropped, backward, hidden, swapped, divided, degree, periods: 1 }
+    }
+
+    /// The same for a polynomial that repeats itself in a turn.
+    #[must_use]
+    pub const fn repeated(self, periods: u8) -> Self {
+        Self { periods, ..self }
     }
 
     /// The joint whose angle the polynomial is in.
@@ -221,7 +229,7 @@ impl SixJoints<'_> {
         let Some(resultant) = Resultant::new(&circuit, chart) else {
             return Outcome::UNKNOWN;
         };
-        let (waves, noise) = resultant.waves(chart.degree);
+        let (waves, noise) = resultant.waves();
         if noise > USELESS || noise.is_nan() {
             return Outcome::UNKNOWN;
         }
@@ -232,9 +240,12 @@ impl SixJoints<'_> {
         let mut outcome = Outcome { doubtful: roots.doubtful || degenerate, miss, moved: 0.0 };
         let mut known = [[f64::NAN; JOINTS]; 2 * waves::MAX_ROOTS];
         let mut count = 0;
-        for root in roots.as_slice() {
+        let periods = chart.periods.max(1);
+        let places = roots.as_slice().iter().flat_map(|root| (0..periods).map(move |turn| (*root, turn)));
+        for (root, turn) in places {
+            let root = (root + f64::from(turn) * core::f64::consts::TAU) / f64::from(periods);
             let mut hit = false;
-            for q in circuit.rest(resultant.others(*root)).iter().flatten() {
+            for q in circuit.rest(resultant.others(root)).iter().flatten() {
                 let Some(solution) = scaled.nearby(&target, q) else { continue };
                 let moved = solution.iter().zip(q).map(|(to, from)| libm::fabs(to - from));
                 let moved = moved.fold(0.0, |most, x| if x > most { x } else { most });
@@ -290,7 +301,7 @@ impl SixJoints<'_> {
     /// chart's degree is too low.
     pub fn noise(&self, chart: Chart, pose: &Frame) -> f64 {
         let circuit = self.scaled().circuit(chart, &self.in_reaches(pose));
-        Resultant::new(&circuit, chart).map_or(f64::INFINITY, |resultant| resultant.waves(chart.degree).1)
+        Resultant::new(&circuit, chart).map_or(f64::INFINITY, |resultant| resultant.waves().1)
     }
 
     fn circuit(&self, chart: Chart, pose: &Frame) -> Circuit {

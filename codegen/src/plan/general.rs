@@ -158,7 +158,10 @@ fn stage(general: &General, chart: Chart) -> Stage {
     Stage {
         rows: rows.fold(0, |mask, row| mask | 1_u32.checked_shl(row as u32).unwrap_or(0)),
         measure: Measure::Ratio,
-        equation: format!("a trigonometric polynomial of degree {} in {unknown} is 0", chart.degree),
+        equation: format!(
+            "a trigonometric polynomial of degree {} in {unknown} is 0",
+            chart.degree * chart.periods
+        ),
         definitions: Vec::new(),
         origin: format!(
             "the line of axis {} seen from both sides; {first} and {second} eliminated from its 14 power products, {third} and {fourth} by a resultant; they and {} follow from each root",

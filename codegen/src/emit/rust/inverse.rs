@@ -129,9 +129,10 @@ impl<'a> Printer<'a> {
         text.line(format!("    reach: {},", number(chain.reach).flat()));
         text.line("    charts: &[");
         for chart in &chain.charts {
-            let dh_core::Chart { dropped, backward, hidden, swapped, divided, degree } = chart;
+            let dh_core::Chart { dropped, backward, hidden, swapped, divided, degree, periods } = chart;
+            let repeated = if *periods == 1 { String::new() } else { format!(".repeated({periods})") };
             text.line(format!(
-                "        {}::new({dropped}, {backward}, {hidden}, {swapped}, {divided}, {degree}),",
+                "        {}::new({dropped}, {backward}, {hidden}, {swapped}, {divided}, {degree}){repeated},",
                 self.paths.runtime("Chart")
             ));
         }
