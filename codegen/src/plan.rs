@@ -12,6 +12,7 @@ mod forward;
 mod general;
 mod inverse;
 mod schedule;
+mod unknowns;
 
 pub use general::GeneralChain;
 pub use inverse::Unsolved;
@@ -116,6 +117,18 @@ pub struct Function {
     pub counts: Counts,
     /// Inverse problems: the solving steps in order, for docs and errors.
     pub stages: Vec<Stage>,
+    /// Inverse problems: every unknown, in the order in which they are found, as a form in the joint values; `None` for
+    /// one that no joint of the arm tells.
+    pub unknowns: Vec<Option<Form>>,
+}
+
+/// Sum of coefficient * joint value, and a constant.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Form {
+    /// (index of q, coefficient).
+    pub terms: Vec<(usize, f64)>,
+    /// rad or m
+    pub constant: f64,
 }
 
 /// Names of the numbers that a target is made of, in the order in which they are inputs.

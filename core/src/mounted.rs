@@ -4,7 +4,7 @@ use core::fmt;
 
 use crate::frame::{add, cross};
 use crate::{
-    Float, Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rules, SolutionSet,
+    Float, Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rules, Seed, SolutionSet,
     Target, TargetKind,
 };
 
@@ -177,24 +177,17 @@ impl<K: Kinematics<S>, S: Float> Kinematics<S> for Mounted<K, S> {
         Ok(())
     }
 
-    fn ik_into(&self, problem: &str, target: &Target<S>, out: &mut SolutionSet<S>) -> Result<(), IkError<S>> {
-        out.clear();
-        let target = target.validate()?;
-        self.arm.ik_into(problem, &self.target_of_arm(&target)?, out)?;
-        self.measure(&target, out);
-        Ok(())
-    }
-
-    fn ik_at_into(
+    fn ik_seeded_into(
         &self,
         problem: &str,
         target: &Target<S>,
         free: &[S],
+        seed: Option<Seed<'_, S>>,
         out: &mut SolutionSet<S>,
     ) -> Result<(), IkError<S>> {
         out.clear();
         let target = target.validate()?;
-        self.arm.ik_at_into(problem, &self.target_of_arm(&target)?, free, out)?;
+        self.arm.ik_seeded_into(problem, &self.target_of_arm(&target)?, free, seed, out)?;
         self.measure(&target, out);
         Ok(())
     }

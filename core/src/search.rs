@@ -13,7 +13,7 @@ pub use conditions::Condition;
 pub use general::Candidates;
 pub use roots::Roots;
 
-use crate::{Float, IkError, Rule, Solution, Solutions, Step, Winding, residual_tolerance};
+use crate::{Float, IkError, Rule, Solution, Solutions, Step, Wanted, Winding, residual_tolerance};
 
 /// Coefficients up to this many machine epsilons (of the size of the numbers that the equation is made of) are what
 /// rounding leaves of 0.
@@ -57,6 +57,8 @@ pub struct Search<'a, const N: usize, S = f64> {
     doubtful: bool,
     /// Whether solutions that are off were brought nearer to their target: then those that stay off miss it.
     polished: bool,
+    /// What the unknowns are at joint values to be near to, and how far from there free ones are tried first.
+    wanted: Option<(&'a [S], S)>,
 }
 
 /// Why a branch ended.
@@ -91,7 +93,14 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             accepted: 0,
             doubtful: false,
             polished: false,
+            wanted: None,
         }
+    }
+
+    /// The same; unknowns that the target leaves free are set as near as can be to what is wanted of them.
+    #[inline]
+    pub fn about<const K: usize>(reach: S, windings: &'a [Winding<'a, S>], wanted: &'a Wanted<K, S>) -> Self {
+        Self { wanted: wanted.view(), ..Self::new(reach, windings) }
     }
 
     /// Takes a candidate (rad or m) with its errors against the target (m, rad). Revolute joints are brought to
@@ -165,7 +174,14 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             return self.singular(step, gap, scale);
         }
         self.mark_free(step);
-        Roots::any(step, S::ZERO, self.accepted)
+        Roots::any(step, self.wanted_of(step), self.accepted)
+    }
+
+    /// What is wanted (rad or m) of the unknown of a step.
+    fn wanted_of(&self, step: Step) -> Option<S> {
+        let (unknowns, aside) = self.wanted?;
+        let value = *unknowns.get(usize::from(step.index))? + aside * step.half_range(self.reach);
+        value.is_finite().then_some(value)
     }
 
     fn mark_free(&mut self, step: Step) {

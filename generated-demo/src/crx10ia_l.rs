@@ -5,9 +5,9 @@
 use ::core::f64::consts::{FRAC_PI_2, TAU};
 use ::dh_runtime::{
     Chart, FULL_POSE, Float, Frame, GeneralArm, IkError, Jacobian, Joint, Kinematics, LengthError,
-    Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions,
-    Step, Target, TargetKind, TrackError, Violations, Winding, copy_into, jacobian_from_columns,
-    joint_array, track,
+    Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet,
+    Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into,
+    jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the FANUC CRX-10iA/L: 6 revolute joints.
@@ -189,7 +189,7 @@ impl CRX10iAL {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all(&self, target: &Pose) -> Result<Solutions<6>, IkError> {
-        solve_pose(&Target::Pose(target.into()))
+        solve_pose(&Target::Pose(target.into()), None)
     }
 
     /// The solutions that brings the tool frame to a pose that whole turns bring inside the limits
@@ -203,18 +203,21 @@ impl CRX10iAL {
     /// As [`Self::ik_all`]; where there are solutions, but none is allowed, which limit or rule the
     /// nearest to being allowed breaks.
     pub fn ik(&self, target: &Pose) -> Result<Solutions<6>, IkError> {
-        let solutions = self.ik_all(target)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Pose(target.into());
+        let solve = |seed: Seed<'_>| solve_pose(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
-    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first. A joint
+    /// that the target leaves free is set as near to its value there as the others can follow.
     ///
     /// # Errors
     ///
     /// As [`Self::ik`].
     pub fn ik_near(&self, target: &Pose, seed: &[f64; 6]) -> Result<Solutions<6>, IkError> {
-        let solutions = self.ik_all(target)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Pose(target.into());
+        let solve = |seed: Seed<'_>| solve_pose(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Follows a path of targets from the joint values `start` (rad): for each the allowed solution
@@ -528,7 +531,7 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 
 /// Every solution of the full pose.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
+fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, IkError> {
     const THETA4: Step = Step::new(0, 0b11_1111, false, Measure::Ratio);
     #[rustfmt::skip]
     const CHAIN: GeneralArm<'static> = GeneralArm {
@@ -553,7 +556,9 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
     };
 
     let target = target.validate_as(TargetKind::Pose)?;
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |q: &[f64; 6]| [q[0], -FRAC_PI_2 + q[1], -q[1] - q[2], -q[3], -q[4], -q[5]];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     // theta4: a trigonometric polynomial of degree 8 in theta4 is 0
     // (the line of axis theta5 seen from both sides; theta6 and theta1 eliminated from its 14 power
@@ -611,15 +616,20 @@ impl Kinematics for CRX10iAL {
         copy_into(&geometric_jacobian(joint_array(q)?), out).map(|_| ())
     }
 
-    fn ik_into(
+    fn ik_seeded_into(
         &self,
         problem: &str,
         target: &Target,
+        free: &[f64],
+        seed: Option<Seed<'_>>,
         out: &mut SolutionSet,
     ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
-            FULL_POSE => solve_pose(target)?,
+            FULL_POSE => {
+                LengthError::check(0, free.len())?;
+                solve_pose(target, seed)?
+            }
             _ => return Err(IkError::UnknownProblem),
         };
         out.fill(Self::DOF, &solutions);

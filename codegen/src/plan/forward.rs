@@ -33,5 +33,6 @@ fn function(kind: FunctionKind, equations: &Equations, joints: usize, constants:
         outputs,
         counts: scheduler.counts,
         stages: Vec::new(),
+        unknowns: Vec::new(),
     }
 }

@@ -2,7 +2,9 @@
 
 mod charts;
 
-use super::{Counts, Function, FunctionKind, Measure, Scalar, Stage, Step, ValueId, target_inputs};
+use super::{
+    Counts, Form, Function, FunctionKind, Measure, Scalar, Stage, Step, ValueId, target_inputs, unknowns,
+};
 use crate::model::{Model, Problem};
 use crate::symbolic::inverse_kinematics::general::{self, General, GeneralJoint};
 use crate::symbolic::inverse_kinematics::{Linear, Refusal};
@@ -75,6 +77,7 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         .iter()
         .map(|form| sum(form, |place| joints.get(place).cloned().unwrap_or(Scalar::Number(0.0))));
     let body = vec![Step::Accept { q: q.collect(), tool: Vec::new(), polish: false }];
+    let unknowns = unknowns(&general);
     let chain = GeneralChain { charts, ..chain };
     Ok(Function {
         kind: FunctionKind::Inverse(index),
@@ -85,6 +88,7 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         outputs: Vec::new(),
         counts: Counts::default(),
         stages: vec![stage],
+        unknowns,
     })
 }
 
@@ -98,6 +102,13 @@ fn chain(model: &Model, general: &General) -> GeneralChain {
         reach: if reach > 0.0 { reach } else { 1.0 },
         charts: Vec::new(),
     }
+}
+
+/// The joints to be found, in terms of joint values.
+fn unknowns(general: &General) -> Vec<Option<Form>> {
+    let all = unknowns::of(&general.q, 0, general.joints.len());
+    let found = all.into_iter().zip(&general.joints).filter(|(_, joint)| joint.given.is_none());
+    found.map(|(form, _)| form).collect()
 }
 
 /// `theta3`, `d3`; joints behind the tool are numbered by themselves.

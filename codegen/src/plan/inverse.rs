@@ -1,6 +1,7 @@
 //! Plans of the inverse functions: one nested step an unknown.
 
 use super::schedule::{Constants, Scheduler};
+use super::unknowns;
 use super::{Equation, Function, FunctionKind, Measure, Scalar, Stage, Step};
 use crate::model::{JointKind, Model, Problem, Target};
 use crate::symbolic::expression::Expr;
@@ -132,7 +133,9 @@ fn function(
     // What depends on the given joints alone is the same in every branch.
     scheduler.leaves_of(derivation.given.len(), &computed);
     let mut steps = std::mem::take(&mut scheduler.steps);
-    let stages = derivation.stages.iter().map(stage).collect();
+    let stages: Vec<Stage> = derivation.stages.iter().map(stage).collect();
+    let given = derivation.given.len();
+    let unknowns = unknowns::of(&derivation.joints, given, given + stages.len());
     steps.extend(nested(&mut scheduler, derivation, polish, 0));
     Function {
         kind: FunctionKind::Inverse(index),
@@ -143,6 +146,7 @@ fn function(
         outputs: Vec::new(),
         counts: scheduler.counts,
         stages,
+        unknowns,
     }
 }
 

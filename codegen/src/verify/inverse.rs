@@ -9,7 +9,7 @@ use super::{
     reference, singular_values,
 };
 use crate::model::{self, Model};
-use crate::plan::eval::Program;
+use crate::plan::eval::{Given, Program};
 use dh_core::{Target, Winding};
 use std::cell::OnceCell;
 
@@ -62,7 +62,8 @@ impl Inverse<'_> {
         report: &mut FunctionReport,
     ) -> Result<(), String> {
         let free: Vec<f64> = self.free.iter().map(|joint| q.get(*joint).copied().unwrap_or(0.0)).collect();
-        let answer = self.program.inverse(self.problem, target, &free, self.windings, |_| ());
+        let given = Given { free: &free, seed: None };
+        let answer = self.program.inverse(self.problem, target, given, self.windings, |_| ());
         let Some(answer) = answer else { return Err("it cannot be run".to_owned()) };
         let allowed = wheres.clearly_keep(q);
         let solutions = match &answer {

@@ -57,9 +57,9 @@ impl<S: Float> Roots<S> {
         Self { first: Some(first), second: Some(second), free: None }
     }
 
-    /// Any value, of a step whose coefficients vanish; the first is `value`, and `accepted` candidates were taken before.
-    pub(super) fn any(step: Step, value: S, accepted: u32) -> Self {
-        Self { first: None, second: None, free: Some(Free::any(step, value, accepted)) }
+    /// Any value, of a step whose coefficients vanish; `accepted` candidates were taken before.
+    pub(super) fn any(step: Step, wanted: Option<S>, accepted: u32) -> Self {
+        Self { first: None, second: None, free: Some(Free::any(step, wanted, accepted)) }
     }
 
     /// A root (rad or m) that may be off by as much as `uncertainty`.

@@ -95,8 +95,14 @@ impl Printer<'_> {
             &methods.parameters(last),
             &self.inverse_result(),
         );
-        let mut passed = vec![arguments.target.clone()];
+        let mut passed = vec![if matches!(arguments.target, Expression::Struct(..)) {
+            text.laid_out(&statement(text.indent(), "let target =", &arguments.target, ";"));
+            Expression::Atom("target".to_owned())
+        } else {
+            arguments.target.clone()
+        }];
         passed.extend(free.map(|_| Expression::Atom("&free.values()".to_owned())));
+        passed.push(Expression::Atom(self.paths.prelude("None").to_owned()));
         let call = Expression::Call(private_name(*problem), passed);
         text.laid_out(&statement(text.indent(), "", &call, ""));
         text.close("}");
@@ -121,7 +127,7 @@ impl Printer<'_> {
         ]);
         allow_case(text, suffix);
         text.signature(&format!("pub fn ik{suffix}"), &methods.parameters(None), &self.inverse_result());
-        Self::within(text, methods, &self.paths.prelude("None"));
+        self.chosen(text, methods, &self.paths.prelude("None"));
     }
 
     /// `ik_near`: the same, by their distance from a seed.
@@ -131,7 +137,8 @@ impl Printer<'_> {
         text.gap();
         text.documentation([
             format!(
-                "[`Self::ik{suffix}`], each in the representative nearest to `seed` ({units}), the nearest first."
+                "[`Self::ik{suffix}`], each in the representative nearest to `seed` ({units}), the nearest first. A joint \
+                 that the target leaves free is set as near to its value there as the others can follow."
             ),
             "# Errors".to_owned(),
             format!("As [`Self::ik{suffix}`]."),
@@ -140,7 +147,7 @@ impl Printer<'_> {
         let seed = format!("seed: &{}", self.joints_type());
         let parameters = methods.parameters(Some(seed));
         text.signature(&format!("pub fn ik{suffix}_near"), &parameters, &self.inverse_result());
-        Self::within(text, methods, &format!("{}(seed)", self.paths.prelude("Some")));
+        self.chosen(text, methods, &format!("{}(seed)", self.paths.prelude("Some")));
     }
 
     /// `ik_track`: a path of poses.
@@ -188,10 +195,16 @@ impl Printer<'_> {
     }
 
     /// All solutions, and of these the ones that are allowed.
-    fn within(text: &mut Text, methods: &Methods<'_>, seed: &str) {
-        let names = methods.arguments.names.join(", ");
-        text.line(format!("let solutions = self.ik_all{}({names})?;", methods.suffix));
-        text.line(format!("solutions.within(&Self::RULES, tool_point, {seed})"));
+    fn chosen(&self, text: &mut Text, methods: &Methods<'_>, seed: &str) {
+        text.laid_out(&statement(text.indent(), "let target =", &methods.arguments.target, ";"));
+        text.line(format!(
+            "let solve = |seed: {}<'_{}>| {}(target, {}(seed));",
+            self.paths.runtime("Seed"),
+            self.scalar_argument(", "),
+            private_name(methods.problem),
+            self.paths.prelude("Some")
+        ));
+        text.line(format!("Self::RULES.allowed(solve, tool_point, {seed})"));
         text.close("}");
     }
 
