@@ -186,6 +186,13 @@ impl SixJoints<'_> {
                 outcome = Outcome { doubtful: true, ..outcome.and(from) };
             }
         }
+        // At the edge of the workspace no neighbour may be attainable; there, Newton's method needs no polynomial.
+        let (scaled, target) = (self.scaled(), self.in_reaches(pose));
+        for start in starts() {
+            if let Some(solution) = scaled.nearby(&target, &start) {
+                found(&self.in_metres(solution));
+            }
+        }
         outcome
     }
 
@@ -224,11 +231,7 @@ impl SixJoints<'_> {
         for root in roots.as_slice() {
             let mut hit = false;
             for q in circuit.rest(resultant.others(*root)).iter().flatten() {
-                let exact = |q: &[f64; JOINTS]| jacobian::pose_and_jacobian(&scaled, q);
-                let mut solution = polish(*q, &target, 1.0, STEPS, exact);
-                if Float::max(solution.position_error, solution.rotation_error) > FOUND {
-                    continue;
-                }
+                let Some(solution) = scaled.nearby(&target, q) else { continue };
                 let moved = solution.q.iter().zip(q).map(|(to, from)| libm::fabs(to - from));
                 let moved = moved.fold(0.0, |most, x| if x > most { x } else { most });
                 outcome.moved = if moved > outcome.moved { moved } else { outcome.moved };
@@ -240,18 +243,31 @@ impl SixJoints<'_> {
                     *place = solution.q;
                     count += 1;
                 }
-                for (value, slides) in solution.q.iter_mut().zip(self.prismatic) {
-                    if slides {
-                        *value *= self.reach;
-                    }
-                }
-                found(&solution);
+                found(&self.in_metres(solution));
             }
             outcome.doubtful |= !hit;
         }
         // Real solutions come and go in pairs.
         outcome.doubtful |= count % 2 == 1;
         outcome
+    }
+
+    /// The solution that Newton's method finds from joint values, all in reaches.
+    fn nearby(&self, target: &Frame, q: &[f64; JOINTS]) -> Option<Polished<JOINTS>> {
+        let exact = |q: &[f64; JOINTS]| jacobian::pose_and_jacobian(self, q);
+        let solution = polish(*q, target, 1.0, STEPS, exact);
+        let error = Float::max(solution.position_error, solution.rotation_error);
+        (error <= FOUND).then_some(solution)
+    }
+
+    fn in_metres(&self, solution: Polished<JOINTS>) -> Polished<JOINTS> {
+        let mut q = solution.q;
+        for (value, slides) in q.iter_mut().zip(self.prismatic) {
+            if slides {
+                *value *= self.reach;
+            }
+        }
+        Polished { q, ..solution }
     }
 
     /// The tip at joint values (rad, m).
@@ -308,6 +324,22 @@ pub(crate) fn same(a: &[f64; JOINTS], b: &[f64; JOINTS], prismatic: [bool; JOINT
     a.iter().zip(b).zip(prismatic).all(|((a, b), slides)| {
         let apart = if slides { a - b } else { crate::Float::wrap_angle(a - b) };
         libm::fabs(apart) <= tolerance
+    })
+}
+
+/// How many places Newton's method is started from where the equations say little.
+const STARTS: u32 = 64;
+
+/// Joint values (rad, reaches) that fill the joint space evenly: multiples of the powers of 1/g, with g^7 = g + 1, that
+/// generalises the golden section \[Roberts 2018, The unreasonable effectiveness of quasirandom sequences\].
+fn starts() -> impl Iterator<Item = [f64; JOINTS]> {
+    const INVERSE: f64 = 0.898_653_712_628_699_3;
+    (1..=STARTS).map(|k| {
+        let mut power = f64::from(k);
+        [0; JOINTS].map(|_| {
+            power *= INVERSE;
+            core::f64::consts::TAU * (power - libm::floor(power) - 0.5)
+        })
     })
 }
 

@@ -1,5 +1,7 @@
 //! Real roots of a trigonometric polynomial.
 
+use crate::Float;
+
 /// The greatest degree.
 pub(super) const MAX_DEGREE: usize = 12;
 /// The most roots: as many real ones as a polynomial of the greatest degree can have.
@@ -7,12 +9,16 @@ pub(super) const MAX_ROOTS: usize = 2 * MAX_DEGREE;
 
 /// Cells of a turn to begin with.
 const CELLS: usize = 32;
+/// Where the first one begins (rad): where no root is by reason of symmetry.
+const START: f64 = 0.123_4;
+/// An extremum this near to an edge (rad) may be on either side of it.
+const ON_THE_EDGE: f64 = 1e-9;
 /// Cells (rad, half their width) that are no longer divided: a cluster of roots is in there.
 const SMALLEST: f64 = 1e-7;
 /// Cells (rad, half their width) that are as small as this are next to a cluster of roots.
 const CLUSTER: f64 = 1e-3;
 /// Cells that are looked at, at most: there are some hundred, unless the polynomial is nothing but noise.
-const MOST_CELLS: usize = 2000;
+const MOST_CELLS: u32 = 2000;
 /// Two roots that come this near to each other (rad) before they would vanish are kept as a candidate, for rounding
 /// errors may have driven them off the real line.
 const NEARLY_MET: f64 = 1e-2;
@@ -34,6 +40,8 @@ pub(super) struct Roots {
     pub(super) doubtful: bool,
     /// How near the polynomial was seen to come to 0.
     least: f64,
+    /// How many cells were looked at.
+    cells: u32,
 }
 
 impl Roots {
@@ -90,45 +98,30 @@ impl Waves {
     /// A cell in which Taylor's expansion at its middle leaves no room for a root is dropped, one in which the polynomial
     /// is monotonous or has one extremum is searched, others are halved.
     pub(super) fn roots(&self) -> Roots {
-        let mut roots = Roots { list: [0.0; MAX_ROOTS], len: 0, doubtful: false, least: f64::INFINITY };
-        let mut tries = 0;
-        let width = core::f64::consts::TAU / CELLS as f64;
+        let mut roots =
+            Roots { list: [0.0; MAX_ROOTS], len: 0, doubtful: false, least: f64::INFINITY, cells: 0 };
+        let edge = |cell: usize| START + cell as f64 * core::f64::consts::TAU / CELLS as f64;
         for cell in 0..CELLS {
-            let mut from = cell as f64 * width;
-            let end = from + width;
-            let mut half = width / 2.0;
-            // Depth first without a stack: the next cell begins where this one ends, as wide as the binary grid allows.
-            let mut index: u64 = 0;
-            let mut depth: u32 = 0;
-            while from < end && depth < 64 {
-                tries += 1;
-                if tries > MOST_CELLS {
-                    roots.doubtful = true;
-                    return roots;
-                }
-                if self.cell(from + half, half, &mut roots) {
-                    index += 1;
-                    from += 2.0 * half;
-                    while depth > 0 && index & 1 == 0 {
-                        index >>= 1;
-                        half *= 2.0;
-                        depth -= 1;
-                    }
-                    if depth == 0 {
-                        break;
-                    }
-                } else {
-                    index <<= 1;
-                    half /= 2.0;
-                    depth += 1;
-                }
-            }
+            self.search([edge(cell), edge(cell + 1)], &mut roots);
         }
         roots
     }
 
+    /// The roots in a cell. Neighbours have an edge in common, to the last bit: no root falls between them.
+    fn search(&self, [low, high]: [f64; 2], roots: &mut Roots) {
+        roots.cells += 1;
+        if roots.cells > MOST_CELLS {
+            roots.doubtful = true;
+        } else if !self.cell([low, high], roots) {
+            let middle = f64::midpoint(low, high);
+            self.search([low, middle], roots);
+            self.search([middle, high], roots);
+        }
+    }
+
     /// Whether a cell is done with: else it is to be halved.
-    fn cell(&self, middle: f64, half: f64, roots: &mut Roots) -> bool {
+    fn cell(&self, [low, high]: [f64; 2], roots: &mut Roots) -> bool {
+        let (middle, half) = (f64::midpoint(low, high), (high - low) / 2.0);
         let [f, d, e] = self.at(middle);
         let rest = self.third * half;
         let flat = (libm::fabs(e) + rest / 3.0) * half / 2.0;
@@ -145,13 +138,11 @@ impl Waves {
         }
         let slope = (libm::fabs(e) + rest / 2.0) * half;
         if libm::fabs(d) > slope {
-            let (low, high) = (middle - half, middle + half);
-            let (at_low, at_high) = (self.at(low)[0], self.at(high)[0]);
-            self.bracketed([low, high], [at_low, at_high], middle, roots);
+            self.bracketed([low, high], middle, roots);
             return true;
         }
         if libm::fabs(e) > 2.0 * rest {
-            self.parabola(middle, half, e, roots);
+            self.parabola([low, high], e, roots);
             return true;
         }
         if half < SMALLEST {
@@ -163,8 +154,8 @@ impl Waves {
     }
 
     /// A cell in which the curve bends one way only: none, two roots, or one at the edge.
-    fn parabola(&self, middle: f64, half: f64, bend: f64, roots: &mut Roots) {
-        let (low, high) = (middle - half, middle + half);
+    fn parabola(&self, [low, high]: [f64; 2], bend: f64, roots: &mut Roots) {
+        let (middle, half) = (f64::midpoint(low, high), (high - low) / 2.0);
         let mut extremum = middle;
         for _ in 0..8 {
             let [_, d, e] = self.at(extremum);
@@ -174,11 +165,12 @@ impl Waves {
                 break;
             }
         }
-        let (at_low, at_high) = (self.at(low)[0], self.at(high)[0]);
-        if !(extremum > low && extremum < high) {
-            self.bracketed([low, high], [at_low, at_high], middle, roots);
+        // An extremum on an edge is in both cells rather than in none.
+        if !(extremum > low - ON_THE_EDGE && extremum < high + ON_THE_EDGE) {
+            self.bracketed([low, high], middle, roots);
             return;
         }
+        let extremum = Float::min(Float::max(extremum, low), high);
         let at_extremum = self.at(extremum)[0];
         // The distance of the two roots from the extremum, real or imaginary.
         let distance = libm::sqrt(2.0 * libm::fabs(at_extremum / bend));
@@ -192,18 +184,13 @@ impl Waves {
         if distance < NEARLY_MET * 1e-2 {
             roots.doubtful = true;
         }
-        self.bracketed([low, extremum], [at_low, at_extremum], extremum - distance, roots);
-        self.bracketed([extremum, high], [at_extremum, at_high], extremum + distance, roots);
+        self.bracketed([low, extremum], extremum - distance, roots);
+        self.bracketed([extremum, high], extremum + distance, roots);
     }
 
     /// The root between two places where the signs differ; the curve is monotonous there.
-    fn bracketed(
-        &self,
-        [mut low, mut high]: [f64; 2],
-        [at_low, at_high]: [f64; 2],
-        guess: f64,
-        roots: &mut Roots,
-    ) {
+    fn bracketed(&self, [mut low, mut high]: [f64; 2], guess: f64, roots: &mut Roots) {
+        let (at_low, at_high) = (self.at(low)[0], self.at(high)[0]);
         if (at_low > 0.0) == (at_high > 0.0) {
             return;
         }
@@ -259,10 +246,25 @@ mod tests {
         ] {
             let roots = with_roots(list).roots();
             let mut found = roots.as_slice().to_vec();
+            for root in &mut found {
+                *root = root.rem_euclid(core::f64::consts::TAU);
+            }
             found.sort_by(f64::total_cmp);
             assert_eq!(found.len(), list.len(), "{list:?} {found:?}");
             for (root, wanted) in found.iter().zip(list) {
                 assert!(libm::fabs(libm::sin((root - wanted) / 2.0)) < 1e-9, "{found:?} {list:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn roots_on_the_edges_of_cells_are_not_lost() {
+        for cell in 0..super::CELLS {
+            let edge = super::START + core::f64::consts::TAU * f64::from(cell as u32) / super::CELLS as f64;
+            for list in [[edge, edge, edge + 1.0, edge + 2.0], [edge, edge + 0.5, edge + 1.0, edge + 2.0]] {
+                let roots = with_roots(&list).roots();
+                let near = |root: &f64| libm::fabs(libm::sin((root - edge) / 2.0)) < 1e-6;
+                assert!(roots.as_slice().iter().any(near), "{edge}: {:?}", roots.as_slice());
             }
         }
     }

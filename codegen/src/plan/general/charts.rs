@@ -14,6 +14,8 @@ const PROMISING: usize = 6;
 const POSES: [usize; 2] = [3, 12];
 /// How many charts are kept.
 const KEPT: usize = 3;
+/// What joint values count that were not found where the chart had no doubt.
+const MISSED: f64 = 4.0;
 
 /// The arm with values for its given joints, six joint values and the pose that belongs to them.
 struct Trial<'a> {
@@ -22,8 +24,9 @@ struct Trial<'a> {
     pose: Frame,
 }
 
-/// The charts that find most, the best first.
-pub(super) fn choose(chain: &GeneralChain) -> Vec<Chart> {
+/// The charts that find most, the best first, and how badly they do together: the sum over those that are kept, a
+/// missing one counting as one that finds nothing.
+pub(super) fn choose(chain: &GeneralChain) -> (Vec<Chart>, f64) {
     let mut random = Random(0x2545_f491_4f6c_dd1d);
     let trials: Vec<Trial<'_>> = (0..POSES[1]).filter_map(|_| random.trial(chain)).collect();
     let mut charts: Vec<(Chart, f64)> = Vec::new();
@@ -39,15 +42,18 @@ pub(super) fn choose(chain: &GeneralChain) -> Vec<Chart> {
     }
     sort(&mut charts);
     let mut kept: Vec<Chart> = Vec::new();
+    let nothing = trials.len() as f64 * MISSED;
+    let mut together = KEPT as f64 * nothing;
     for (chart, badness) in charts {
         // Charts of the same hidden joint fail at the same poses.
         let known =
             kept.iter().any(|other| other.unknown() == chart.unknown() && other.dropped == chart.dropped);
         if !known && kept.len() < KEPT && badness < trials.len() as f64 {
             kept.push(chart);
+            together += badness - nothing;
         }
     }
-    kept
+    (kept, together)
 }
 
 fn sort(charts: &mut [(Chart, f64)]) {
@@ -102,7 +108,7 @@ fn score(chart: Chart, trials: &[Trial<'_>]) -> f64 {
             (true, false) => 0.0,
             (true, true) => 0.3,
             (false, true) => 1.0,
-            (false, false) => 4.0,
+            (false, false) => MISSED,
         };
         // Digits that Newton's method had to supply: a twentieth of a miss each.
         badness += 0.05 * (16.0 + libm::log10(outcome.moved.clamp(1e-16, 1.0)));
