@@ -2,6 +2,7 @@
 //! found wherever it is a solution.
 
 use dh_core::{FULL_POSE, Frame, IkError, Kinematics, SolutionSet, Target};
+use dh_runtime::nalgebra::{SMatrix, SVector};
 use dh_tests::engine;
 use dh_tests::oracle::Oracle;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -106,4 +107,103 @@ fn a_problem_of_the_table_takes_the_value_of_the_seed() {
         assert_eq!(solution.free, Some(0));
         assert!(apart(solution.q, &[first, PI]) < 1e-12, "{first}: {:?}", solution.q);
     }
+}
+
+/// Axes 4 and 6 are one where theta5 is half a turn, and meet in no point otherwise: an arm without a closed form.
+const OFFSET_WRIST: &str = "[robot]\nname = \"offset wrist\"\nconvention = \"standard\"\nunits = { length = \"m\", angle = \"deg\" }\n\
+    [[joint]]\nd = 0.4\na = 0.05\nalpha = -90\n[[joint]]\na = 0.4\n[[joint]]\na = 0.05\nalpha = -90\n\
+    [[joint]]\nd = 0.4\na = 0.1\nalpha = 90\n[[joint]]\na = 0.1\nalpha = -90\n[[joint]]\nd = 0.1\n";
+
+#[test]
+fn a_curve_of_solutions_is_marked_where_all_joints_are_found_at_once() {
+    let (oracle, arm) = (Oracle::read(OFFSET_WRIST).unwrap(), engine::interpreter(OFFSET_WRIST).unwrap());
+    let mut random = Random(3);
+    let mut set = SolutionSet::new();
+    for number in 0..40 {
+        let mut q = [0; 6].map(|_| PI * (2.0 * random.unit() - 1.0));
+        if number % 2 == 0 {
+            q = q.map(|value| (value / FRAC_PI_2).round() * FRAC_PI_2);
+        }
+        q[4] = PI;
+        let target = target_of(&oracle, &q);
+        arm.ik_into(FULL_POSE, &target, &mut set).unwrap();
+        let marked = set.iter().filter(|solution| solution.free.is_some()).count();
+        assert!((1..=8).contains(&marked), "{q:?}: {marked} of {} are free", set.len());
+        assert_eq!(set.dropped(), 0, "{q:?}");
+        arm.ik_within(FULL_POSE, &target, Some(&q), &mut set).unwrap();
+        let nearest = set.nearest(&q).unwrap();
+        assert!(apart(nearest.q, &q) < 1e-6, "{q:?}: {:?}", nearest.q);
+        assert!(nearest.free.is_some(), "{q:?}");
+        for solution in set.iter() {
+            let off = apart(oracle.fk(solution.q).as_flattened(), oracle.fk(&q).as_flattened());
+            assert!(off < 1e-9, "{q:?}: {off:e}");
+        }
+    }
+    // Nothing is free anywhere else.
+    for _ in 0..40 {
+        let q = [0; 6].map(|_| PI * (2.0 * random.unit() - 1.0));
+        arm.ik_into(FULL_POSE, &target_of(&oracle, &q), &mut set).unwrap();
+        assert!(set.iter().all(|solution| solution.free.is_none()), "{q:?}");
+    }
+}
+
+/// Whether the arm can move from there while its tool stays, by the oracle's poses alone.
+fn moves_by_itself(oracle: &Oracle, q: &[f64; 6]) -> bool {
+    let pose = |q: &[f64; 6]| SVector::<f64, 16>::from_iterator(oracle.fk(q).as_flattened().iter().copied());
+    let jacobian = |q: &[f64; 6]| {
+        let column = |joint: usize| {
+            let at = |step: f64| {
+                let mut q = *q;
+                q[joint] += step;
+                pose(&q)
+            };
+            (at(1e-6) - at(-1e-6)) / 2e-6
+        };
+        SMatrix::<f64, 16, 6>::from_columns(&[0, 1, 2, 3, 4, 5].map(column)).svd(true, true)
+    };
+    let target = pose(q);
+    // To the tool's pose by the shortest way, and how far it stays off.
+    let back = |mut q: [f64; 6]| {
+        for _ in 0..40 {
+            let step = jacobian(&q).solve(&(target - pose(&q)), 1e-3).unwrap();
+            q.iter_mut().zip(&step).for_each(|(value, change)| *value += change);
+        }
+        (q, (target - pose(&q)).amax())
+    };
+    let here = jacobian(q);
+    let rows = here.v_t.unwrap();
+    let idle = (0..6).filter(|&row| here.singular_values[row] < 1e-6);
+    idle.flat_map(|row| [(row, 1.0), (row, -1.0)]).any(|(row, side)| {
+        [0.03, 0.08].iter().all(|&length| {
+            let mut moved = *q;
+            moved
+                .iter_mut()
+                .zip(rows.row(row).iter())
+                .for_each(|(value, part)| *value += side * length * part);
+            let (end, off) = back(moved);
+            let gone: f64 = (0..6).map(|joint| side * (end[joint] - q[joint]) * rows[(row, joint)]).sum();
+            off < 1e-11 && gone > 0.7 * length
+        })
+    })
+}
+
+#[test]
+fn wherever_the_arm_moves_by_itself_a_solution_is_marked() {
+    let mut random = Random(9);
+    let (mut idle, mut all) = (0, 0);
+    for name in ["crx10ia_l", "jaco2", "manocha_canny", "gofa5", "offset wrist"] {
+        let text = dh_robots::table(name).unwrap_or(OFFSET_WRIST);
+        let (oracle, arm) = (Oracle::read(text).unwrap(), engine::interpreter(text).unwrap());
+        let mut set = SolutionSet::new();
+        for _ in 0..24 {
+            let q = [0; 6].map(|_| FRAC_PI_2 * (4.0 * random.unit() - 2.0).round());
+            all += 1;
+            if moves_by_itself(&oracle, &q) {
+                idle += 1;
+                arm.ik_into(FULL_POSE, &target_of(&oracle, &q), &mut set).unwrap();
+                assert!(set.iter().any(|solution| solution.free.is_some()), "{name} at {q:?}");
+            }
+        }
+    }
+    assert!(idle > 15 && idle < all, "{idle} of {all}");
 }

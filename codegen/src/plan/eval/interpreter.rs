@@ -88,23 +88,12 @@ impl<'p, S: Float> Interpreter<'p, S> {
         Ok(run::frame(&self.fk.routine.outputs, &registers))
     }
 
-    /// [`Kinematics::ik_into`], telling an observer every named step, which roots every stage has and what becomes of
+    /// [`Kinematics::ik_seeded_into`], telling an observer every named step, which roots every stage has and what becomes of
     /// every candidate. `free` are the values (rad or m) of the problem's free joints.
     ///
     /// # Errors
     /// Why there is no solution; `out` is empty then.
     pub fn trace_ik(
-        &self,
-        problem: &str,
-        target: &Target<S>,
-        free: &[S],
-        out: &mut SolutionSet<S>,
-        observer: impl FnMut(Event<'_, S>),
-    ) -> Result<(), IkError<S>> {
-        self.solve(problem, target, free, None, out, observer)
-    }
-
-    fn solve(
         &self,
         problem: &str,
         target: &Target<S>,
@@ -215,7 +204,7 @@ impl<S: Float> Kinematics<S> for Interpreter<'_, S> {
         seed: Option<Seed<'_, S>>,
         out: &mut SolutionSet<S>,
     ) -> Result<(), IkError<S>> {
-        self.solve(problem, target, free, seed, out, |_| ())
+        self.trace_ik(problem, target, free, seed, out, |_| ())
     }
 
     fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, S>> {
