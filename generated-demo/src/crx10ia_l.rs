@@ -563,8 +563,8 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, I
     // theta4: a trigonometric polynomial of degree 8 in theta4 is 0
     // (the line of axis theta5 seen from both sides; theta6 and theta1 eliminated from its 14 power
     // products, theta2 and theta3 by a resultant; they and theta5 follow from each root)
-    for [theta1, theta2, theta3, theta4, theta5, theta6] in
-        search.general(THETA4, &CHAIN, &target, &[]) {
+    let mut candidates = search.general(THETA4, &CHAIN, &target, &[]);
+    while let Some([theta1, theta2, theta3, theta4, theta5, theta6]) = search.next_candidate(&mut candidates) {
         let q = [
             theta1,
             theta2 + FRAC_PI_2,

@@ -367,13 +367,11 @@ impl Panda {
         position: &Point3<f64>,
         yaw: f64,
     ) -> Result<Solutions<7>, IkError> {
-        solve_tool_down(
-            &Target::PositionYaw {
-                position: (*position).into(),
-                yaw,
-            },
-            None,
-        )
+        let target = &Target::PositionYaw {
+            position: (*position).into(),
+            yaw,
+        };
+        solve_tool_down(target, None)
     }
 
     /// The solutions of the table's problem `tool_down` that whole turns bring inside the limits

@@ -294,13 +294,11 @@ impl UArmSwiftPro {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_place(&self, position: &Point3<f64>, yaw: f64) -> Result<Solutions<4>, IkError> {
-        solve_place(
-            &Target::PositionYaw {
-                position: (*position).into(),
-                yaw,
-            },
-            None,
-        )
+        let target = &Target::PositionYaw {
+            position: (*position).into(),
+            yaw,
+        };
+        solve_place(target, None)
     }
 
     /// The solutions of the table's problem `place` that whole turns bring inside the limits and no
