@@ -54,6 +54,18 @@ pub fn general(
     rated.map(|rated| rated.function)
 }
 
+/// A function of the same problem by another method: for a closed form, all joints at once; for those found at once,
+/// another joint first.
+pub fn second(model: &crate::model::Model, function: &Function) -> Option<Function> {
+    let FunctionKind::Inverse(problem) = function.kind else { return None };
+    if let [Step::General { .. }] = function.steps.as_slice() {
+        return general::rotated(function);
+    }
+    let own = problem.and_then(|index| model.problems.get(index)).cloned();
+    let entry = own.unwrap_or_else(|| inverse::full_pose(function.free.clone()));
+    general::function(model, problem, &entry).ok().map(|rated| rated.function)
+}
+
 /// How many joints of an arm with one too many are tried as the one that is given: those behind them hardly take part in
 /// the self-motion.
 const CHOICES: usize = 4;
@@ -129,6 +141,19 @@ pub struct Function {
     /// Inverse problems: every unknown, in the order in which they are found, as a form in the joint values; `None` for
     /// one that no joint of the arm tells.
     pub unknowns: Vec<Option<Form>>,
+    /// Inverse problems: how often another method found the same solutions, where that was tried.
+    pub agreement: Option<Agreement>,
+}
+
+/// What became of a comparison with another method.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Agreement {
+    /// Its equation: "a trigonometric polynomial of degree 8 in theta4 is 0".
+    pub method: String,
+    /// At how many random poses both were asked.
+    pub poses: usize,
+    /// At how many of them they found the same solutions.
+    pub agreed: usize,
 }
 
 /// Sum of coefficient * joint value, and a constant.

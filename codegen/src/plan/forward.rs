@@ -34,5 +34,6 @@ fn function(kind: FunctionKind, equations: &Equations, joints: usize, constants:
         counts: scheduler.counts,
         stages: Vec::new(),
         unknowns: Vec::new(),
+        agreement: None,
     }
 }

@@ -95,8 +95,30 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         counts: Counts::default(),
         stages: vec![stage],
         unknowns,
+        agreement: None,
     };
     Ok(Rated { function, badness })
+}
+
+/// The same function with its second choice of joints in the first place.
+pub(super) fn rotated(function: &Function) -> Option<Function> {
+    let mut function = function.clone();
+    let [Step::General { chain, .. }] = function.steps.as_mut_slice() else { return None };
+    if chain.charts.len() < 2 {
+        return None;
+    }
+    chain.charts.rotate_left(1);
+    let (degree, unknown) = chain.charts.first().map(|chart| (chart.degree, chart.unknown()))?;
+    let [Step::General { roots, .. }] = function.steps.as_slice() else { return None };
+    let unknown = roots.get(unknown).and_then(|root| function.values.get(root.0))?;
+    let equation = equation(degree, unknown);
+    function.stages.first_mut()?.equation = equation;
+    Some(function)
+}
+
+/// In words.
+fn equation(degree: u8, unknown: &str) -> String {
+    format!("a trigonometric polynomial of degree {degree} in {unknown} is 0")
 }
 
 fn chain(model: &Model, general: &General) -> GeneralChain {
@@ -169,7 +191,7 @@ fn stage(general: &General, chart: Chart) -> Stage {
     Stage {
         rows: rows.fold(0, |mask, row| mask | 1_u32.checked_shl(row as u32).unwrap_or(0)),
         measure: Measure::Ratio,
-        equation: format!("a trigonometric polynomial of degree {} in {unknown} is 0", chart.degree),
+        equation: equation(chart.degree, &unknown),
         definitions: Vec::new(),
         origin: format!(
             "the line of axis {} seen from both sides; {first} and {second} eliminated from its 14 power products, {third} and {fourth} by a resultant; they and {} follow from each root",

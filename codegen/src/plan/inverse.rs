@@ -147,6 +147,7 @@ fn function(
         counts: scheduler.counts,
         stages,
         unknowns,
+        agreement: None,
     }
 }
 

@@ -77,7 +77,7 @@ impl Inverse<'_> {
         for solution in solutions {
             let joints = solution.q.get(..q.len()).unwrap_or_default();
             self.solution(joints, target, wheres, smallest, report)?;
-            nearest = nearest.min(self.travel(q, joints));
+            nearest = nearest.min(travel(self.model, q, joints));
         }
         let Some(inverse) = &mut report.inverse else {
             return Ok(());
@@ -135,24 +135,24 @@ impl Inverse<'_> {
         };
         singular_values::smallest(unknowns.map(column).collect())
     }
+}
 
-    /// The greatest difference of two joint vectors (rad or m), whole turns aside.
-    fn travel(&self, left: &[f64], right: &[f64]) -> f64 {
-        let mut difference: Vec<f64> = left.iter().zip(right).map(|(left, right)| left - right).collect();
-        for winding in &self.model.windings {
-            let Some(own) = difference.get_mut(winding.joint) else {
-                continue;
-            };
-            let turns = (*own / winding.turn).round();
-            *own -= turns * winding.turn;
-            for (joint, turn) in &winding.carries {
-                if let Some(carried) = difference.get_mut(*joint) {
-                    *carried -= turns * turn;
-                }
+/// The greatest difference of two joint vectors (rad or m), whole turns aside.
+pub(super) fn travel(model: &Model, left: &[f64], right: &[f64]) -> f64 {
+    let mut difference: Vec<f64> = left.iter().zip(right).map(|(left, right)| left - right).collect();
+    for winding in &model.windings {
+        let Some(own) = difference.get_mut(winding.joint) else {
+            continue;
+        };
+        let turns = (*own / winding.turn).round();
+        *own -= turns * winding.turn;
+        for (joint, turn) in &winding.carries {
+            if let Some(carried) = difference.get_mut(*joint) {
+                *carried -= turns * turn;
             }
         }
-        difference.into_iter().fold(0.0, |greatest, difference| f64::max(greatest, difference.abs()))
     }
+    difference.into_iter().fold(0.0, |greatest, difference| f64::max(greatest, difference.abs()))
 }
 
 /// Whether the joint vector that a target was made from was found again, `nearest` (rad or m) being the solution

@@ -75,6 +75,7 @@ pub(crate) fn every_target() -> (Model, Plan) {
             counts: Counts::default(),
             stages: Vec::new(),
             unknowns: Vec::new(),
+            agreement: None,
         });
     };
     every.for_each(|(problem, target)| add(problem, target.input_names(), &[]));
@@ -140,6 +141,7 @@ fn planar_inverse(problem: usize, a1: &Scalar, a2: &Scalar) -> Function {
             ),
         ],
         unknowns: Vec::new(),
+        agreement: None,
     }
 }
 
@@ -180,6 +182,7 @@ fn polar_inverse(a2: Scalar) -> Function {
             stage(0b10, "d2", Measure::Length, "d2 = px s1 - py c1", "row 3 of the position in frame 1"),
         ],
         unknowns: Vec::new(),
+        agreement: None,
     }
 }
 

@@ -7,7 +7,7 @@ use super::layout::{Expression, statement};
 use super::targets::Arguments;
 use super::text::{Text, clean};
 use crate::model::Problem;
-use crate::plan::{Function, FunctionKind};
+use crate::plan::{Agreement, Function, FunctionKind};
 
 /// What the methods of one problem have in common.
 pub(super) struct Methods<'a> {
@@ -77,6 +77,7 @@ impl Printer<'_> {
             paragraphs.push("Solved one after the other:".to_owned());
             paragraphs.push(stages);
         }
+        paragraphs.extend(function.agreement.as_ref().map(agreement));
         paragraphs.push(format!("Besides solving, on each branch: {}", operations(function.counts)));
         paragraphs.push("# Errors".to_owned());
         paragraphs.push(format!(
@@ -232,6 +233,15 @@ fn row_unit(row: &crate::model::Row) -> &'static str {
         crate::model::JointKind::Revolute => "rad",
         crate::model::JointKind::Prismatic => "m",
     }
+}
+
+/// What another method says.
+fn agreement(agreement: &Agreement) -> String {
+    let Agreement { method, poses, agreed } = agreement;
+    format!(
+        "Another method ({}) finds the same solutions at {agreed} of {poses} random poses.",
+        clean(method)
+    )
 }
 
 /// The constraints and inequalities of a problem, as they were written.

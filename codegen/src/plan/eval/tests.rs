@@ -174,11 +174,12 @@ fn traces_tell_every_step_in_order() {
             [vec!["stage 0 theta2: 2".to_owned()], branch(0), branch(1), vec!["done 0".to_owned()]].concat();
         assert_eq!(events, expected);
         let mut dead = Vec::new();
-        let far = arm.trace_ik("point", &Target::Xy([2.0, 0.0]), &[], None, &mut SolutionSet::new(), |event| {
-            if let Event::Stage { index, roots, .. } = event {
-                dead.push((index, roots));
-            }
-        });
+        let far =
+            arm.trace_ik("point", &Target::Xy([2.0, 0.0]), &[], None, &mut SolutionSet::new(), |event| {
+                if let Event::Stage { index, roots, .. } = event {
+                    dead.push((index, roots));
+                }
+            });
         assert!(matches!(far, Err(IkError::Unreachable { .. })));
         assert_eq!(dead, [(0, 0)]);
     });
