@@ -33,7 +33,7 @@ pub(super) fn confirm(model: &Model, plan: &mut Plan, other: impl Fn(&Function) 
         let (own, other) = (alone(function), alone(&second));
         if let (Ok(own), Ok(other)) = (Program::new(model, &own), Program::new(model, &other)) {
             let programs = [&own, &other];
-            function.agreement = Some(compare(model, problem, &function.free, programs, &second));
+            function.agreement = compare(model, problem, &function.free, programs, &second);
         }
     }
 }
@@ -44,7 +44,7 @@ fn compare(
     free: &[usize],
     programs: [&Program<'_>; 2],
     second: &Function,
-) -> Agreement {
+) -> Option<Agreement> {
     let entry = problem.and_then(|index| model.problems.get(index));
     let constraints = Constraints::of(model, entry);
     let wheres = Wheres::of(model, problem);
@@ -55,6 +55,7 @@ fn compare(
     let kind = entry.map_or(model::Target::Pose, |problem| problem.target);
     let method = second.stages.first().map_or_else(String::new, |stage| stage.equation.clone());
     let mut agreement = Agreement { method, poses: 0, agreed: 0 };
+    let mut applies = false;
     // The first ones are random.
     for (number, q) in poses.iter().take(POSES).enumerate() {
         let Some(target) = target_of(kind, &reference::tool(model, q), number, reach) else { continue };
@@ -69,10 +70,12 @@ fn compare(
             others.iter().any(|other| inverse::travel(model, q, other) <= SAME)
         };
         agreement.poses += 1;
+        applies |= !other.is_empty();
         let same = own.len() == other.len() && own.iter().all(|q| among(q, &other));
         agreement.agreed += usize::from(same && other.iter().all(|q| among(q, &own)));
     }
-    agreement
+    // A method that finds nothing anywhere says nothing.
+    applies.then_some(agreement)
 }
 
 /// Joint values of every solution.
