@@ -3,6 +3,7 @@
 //! A plan holds no tokens and no language, and nothing in it assumes f64. Printers (`emit`) and the interpreter
 //! (`plan::eval`) walk it and decide nothing.
 
+mod constraints;
 mod dimension;
 /// The interpreter.
 pub mod eval;
@@ -141,6 +142,8 @@ pub struct Function {
     /// Inverse problems: every unknown, in the order in which they are found, as a form in the joint values; `None` for
     /// one that no joint of the arm tells.
     pub unknowns: Vec<Option<Form>>,
+    /// Inverse problems: the equations between joint values that are prescribed besides the target.
+    pub constraints: Vec<dh_core::ConstraintTerm>,
     /// Inverse problems: how often another method found the same solutions, where that was tried.
     pub agreement: Option<Agreement>,
 }

@@ -1,15 +1,15 @@
 //! One robot as motion, drivers and the command line see it.
 
 use crate::{
-    Float, Frame, IkError, Joint, LengthError, MAX_JOINTS, Redundancy, Rules, Seed, SolutionSet, Target,
-    TargetKind, Violations,
+    ConstraintTerm, Float, Frame, IkError, Joint, LengthError, MAX_JOINTS, Reachable, Redundancy, Rules,
+    Seed, SolutionSet, Target, TargetKind, Violations,
 };
 
 /// The name of the inverse problem of the full pose.
 pub const FULL_POSE: &str = "pose";
 
 /// An inverse problem that a robot can solve.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProblemInfo<'a> {
     /// Its name in the table; [`FULL_POSE`] for the full pose.
     pub name: &'a str,
@@ -17,6 +17,8 @@ pub struct ProblemInfo<'a> {
     pub target: TargetKind,
     /// Joints left to the caller (indices of q).
     pub free: &'a [usize],
+    /// Equations between the joint values that it prescribes besides.
+    pub constraints: &'a [ConstraintTerm],
 }
 
 /// The kinematics of one robot, over slices, so that it can be used as `&dyn Kinematics`. Every generated arm and the
@@ -162,6 +164,28 @@ pub trait Kinematics<S: Float = f64> {
         let point = |q: &[S; MAX_JOINTS]| self.rules_point(q.get(..dof).unwrap_or(q)).unwrap_or([S::NAN; 3]);
         out.fill_padded(dof, self.rules().allowed(solve, point, seed.as_ref())?);
         Ok(())
+    }
+
+    /// The joint values inside their limits, and the tool frame there, that come nearest to a target, for one that cannot be
+    /// reached: the sum of the squares of [`Target::errors`] is least, rad beside lengths in the size of the arm (the
+    /// distances of its frames' origins, one to the next, in the middle of the limits). A problem's constraints on joints are
+    /// kept (to about 1e-8 of what the target is missed by, in f64), its `where` and the rules of the workspace are not looked
+    /// at.
+    ///
+    /// Damped Gauss-Newton steps lead downhill from the seed (rad or m; without one, from the middle of the
+    /// limits) and from 15 places more. What they find is a least distance near there; nothing proves that there is no
+    /// nearer target. It takes about as long as some thousand poses; no other function pays for it.
+    ///
+    /// # Errors
+    /// Those of [`Target::validate_as`]; [`IkError::UnknownProblem`]; [`IkError::Length`] where the seed has not a value a
+    /// joint.
+    fn nearest_reachable(
+        &self,
+        problem: &str,
+        target: &Target<S>,
+        seed: Option<&[S]>,
+    ) -> Result<Reachable<S>, IkError<S>> {
+        crate::reachable::nearest(self, problem, target, seed)
     }
 
     /// Whether limits and rules allow these joint values.

@@ -25,6 +25,7 @@ mod mounted;
 mod nalgebra_types;
 mod polish;
 mod quaternion;
+mod reachable;
 mod redundancy;
 mod rules;
 mod search;
@@ -49,6 +50,7 @@ pub use mounted::{Mounted, MountingFrame};
 #[cfg(feature = "nalgebra")]
 pub use nalgebra_types::{Jacobian, Pose, jacobian_from_columns};
 pub use polish::{Polished, polish};
+pub use reachable::{ConstraintTerm, Reachable};
 pub use redundancy::{Arm, FreeValues, Redundancy, SWEEP_SAMPLES};
 pub use rules::{Axis, Bound, KeepOut, Rule, Rules, Side, SumLimit, Violation, Violations, Winding};
 pub use search::{Candidates, Condition, Roots, Search};

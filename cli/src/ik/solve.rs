@@ -141,6 +141,23 @@ impl<'a> Question<'a> {
         refusal::of(error, self.robot.model(), problem, self.function)
     }
 
+    /// The same, with the nearest target that can be reached, where it is the target's place or the limits that are at fault.
+    pub(crate) fn refusal_near(&self, error: &IkError, target: &Target) -> Refusal {
+        let refusal = self.refusal(error);
+        let at_fault = matches!(
+            error,
+            IkError::Singular { .. }
+                | IkError::Unreachable { .. }
+                | IkError::OutsideLimits { .. }
+                | IkError::Failed { .. }
+        );
+        let nearest = || self.arm.nearest_reachable(self.name, target, Some(&self.near));
+        match at_fault.then(nearest) {
+            Some(Ok(nearest)) => refusal::with_nearest(refusal, self.units(), &nearest),
+            _ => refusal,
+        }
+    }
+
     /// The solutions.
     pub(crate) fn solve(&mut self, target: &Target) -> Result<Vec<Answer>, IkError> {
         match (&self.free, self.all) {

@@ -95,6 +95,7 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         counts: Counts::default(),
         stages: vec![stage],
         unknowns,
+        constraints: super::constraints::of(model, index),
         agreement: None,
     };
     Ok(Rated { function, badness })

@@ -30,7 +30,7 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
     if !named && excess == 1 {
         match redundant(model) {
             Ok((problem, derivation)) => {
-                functions.push(function(None, &problem, &derivation, true, constants));
+                functions.push(function(model, None, &problem, &derivation, true, constants));
             }
             Err(refusal) => unsolved.push(Unsolved { problem: None, refusal }),
         }
@@ -53,7 +53,7 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
             Some((problem, Ok(derivation))) => {
                 let index_of = index.and_then(|index| model.problems.get(index));
                 let polish = problem.is_whole_pose() && index_of.is_none_or(Problem::is_whole_pose);
-                functions.push(function(index, problem, derivation, polish, constants));
+                functions.push(function(model, index, problem, derivation, polish, constants));
             }
             Some((_, Err(refusal))) => {
                 unsolved.push(Unsolved { problem: index, refusal: refusal.clone() });
@@ -104,6 +104,7 @@ pub(super) fn full_pose(free: Vec<usize>) -> Problem {
 }
 
 fn function(
+    model: &Model,
     index: Option<usize>,
     problem: &Problem,
     derivation: &Derivation,
@@ -147,6 +148,7 @@ fn function(
         counts: scheduler.counts,
         stages,
         unknowns,
+        constraints: super::constraints::of(model, index),
         agreement: None,
     }
 }

@@ -69,8 +69,8 @@ impl Kinematics for Planar {
     }
     fn problems(&self) -> &[ProblemInfo<'_>] {
         &[
-            ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
-            ProblemInfo { name: "plane", target: TargetKind::XyYaw, free: &[] },
+            ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
+            ProblemInfo { name: "plane", target: TargetKind::XyYaw, free: &[], constraints: &[] },
         ]
     }
     fn fk(&self, q: &[f64]) -> Result<Frame, LengthError> {

@@ -75,6 +75,7 @@ pub(crate) fn every_target() -> (Model, Plan) {
             counts: Counts::default(),
             stages: Vec::new(),
             unknowns: Vec::new(),
+            constraints: Vec::new(),
             agreement: None,
         });
     };
@@ -141,6 +142,7 @@ fn planar_inverse(problem: usize, a1: &Scalar, a2: &Scalar) -> Function {
             ),
         ],
         unknowns: Vec::new(),
+        constraints: Vec::new(),
         agreement: None,
     }
 }
@@ -182,6 +184,7 @@ fn polar_inverse(a2: Scalar) -> Function {
             stage(0b10, "d2", Measure::Length, "d2 = px s1 - py c1", "row 3 of the position in frame 1"),
         ],
         unknowns: Vec::new(),
+        constraints: Vec::new(),
         agreement: None,
     }
 }

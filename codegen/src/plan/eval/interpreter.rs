@@ -58,8 +58,14 @@ impl<'p, S: Float> Interpreter<'p, S> {
                     name: &problem.name,
                     target: robot::target_kind(problem.target),
                     free: &function.free,
+                    constraints: &function.constraints,
                 },
-                None => ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &function.free },
+                None => ProblemInfo {
+                    name: FULL_POSE,
+                    target: TargetKind::Pose,
+                    free: &function.free,
+                    constraints: &function.constraints,
+                },
             });
             indices.push(index);
         }
