@@ -87,10 +87,10 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let scale = if arm.reach < 1.0 { arm.reach } else { 1.0 };
         let mut found = Candidates::none(step);
         let outcome = six.solve(&pose, |solution| {
-            let crowded = found.len >= MAX_SOLUTIONS && six.is_singular(&solution.q);
+            let crowded = found.len >= MAX_SOLUTIONS && six.is_singular(solution);
             let near = scale * if crowded { SAME_STRETCH } else { SAME };
-            if !found.as_slice().iter().any(|other| same(&other.q, &solution.q, six.prismatic, near)) {
-                found.push(Candidate { q: solution.q, free: None });
+            if !found.as_slice().iter().any(|other| same(&other.q, solution, six.prismatic, near)) {
+                found.push(Candidate { q: *solution, free: None });
             }
         });
         if outcome.doubted || found.len > MAX_SOLUTIONS {
