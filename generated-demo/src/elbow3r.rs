@@ -96,9 +96,9 @@ impl Elbow3R {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
-        ProblemInfo { name: "position", target: TargetKind::Position, free: &[] },
-        ProblemInfo { name: "position_elbow_up", target: TargetKind::Position, free: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
+        ProblemInfo { name: "position", target: TargetKind::Position, free: &[], constraints: &[] },
+        ProblemInfo { name: "position_elbow_up", target: TargetKind::Position, free: &[], constraints: &[] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -192,6 +192,9 @@ impl Elbow3R {
     ///           (rows 1 and 2 of the position in frame 1)
     /// ```
     ///
+    /// Another method (a trigonometric polynomial of degree 8 in theta2 is 0) finds the same
+    /// solutions at 32 of 32 random poses.
+    ///
     /// Besides solving, on each branch: 23 multiplications, 11 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
@@ -271,6 +274,9 @@ impl Elbow3R {
     ///           (rows 1 and 3 of the position in frame 1)
     /// ```
     ///
+    /// Another method (a trigonometric polynomial of degree 4 in tool1 is 0) finds the same
+    /// solutions at 32 of 32 random poses.
+    ///
     /// Besides solving, on each branch: 21 multiplications, 13 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
@@ -335,6 +341,9 @@ impl Elbow3R {
     ///           x1 = a2 c2 + a3 c23
     ///           (rows 1 and 3 of the position in frame 1)
     /// ```
+    ///
+    /// Another method (a trigonometric polynomial of degree 4 in tool1 is 0) finds the same
+    /// solutions at 32 of 32 random poses.
     ///
     /// Besides solving, on each branch: 21 multiplications, 13 additions, 0 sine-cosine pairs.
     ///

@@ -5,10 +5,10 @@
 use ::core::f64::consts::{FRAC_PI_2, PI, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    Axis, Bound, Condition, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics,
-    LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo,
-    SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted, Winding,
-    copy_into, jacobian_from_columns, joint_array, track,
+    Axis, Bound, Condition, ConstraintTerm, FULL_POSE, Float, Frame, IkError, Jacobian, Joint,
+    Kinematics, LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed,
+    Servo, SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted,
+    Winding, copy_into, jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the Elephant Robotics myCobot 280 Pi: 6 revolute joints.
@@ -125,11 +125,15 @@ impl MyCobot280Pi {
     /// Servos outside the chain, by name.
     pub const SERVOS: [(&'static str, Servo<'static>); 0] = [];
     /// The inverse problems that are solved.
+    #[allow(
+        clippy::approx_constant,
+        reason = "numbers of the table, as they were written"
+    )]
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
-        ProblemInfo { name: "tool_down", target: TargetKind::Position, free: &[] },
-        ProblemInfo { name: "tool_down_elbow_up", target: TargetKind::Position, free: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
+        ProblemInfo { name: "tool_down", target: TargetKind::Position, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: None, coefficient: 1.5707963267948966 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(0), coefficient: -1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }] },
+        ProblemInfo { name: "tool_down_elbow_up", target: TargetKind::Position, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: None, coefficient: 1.5707963267948966 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(0), coefficient: -1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -235,6 +239,9 @@ impl MyCobot280Pi {
     ///           z4 = s234 x1 - (c234 z0 + d5)
     ///           (rows 1 and 3 of the position in frame 4)
     /// ```
+    ///
+    /// Another method (a trigonometric polynomial of degree 4 in theta4 is 0) finds the same
+    /// solutions at 32 of 32 random poses.
     ///
     /// Besides solving, on each branch: 73 multiplications, 44 additions, 0 sine-cosine pairs.
     ///

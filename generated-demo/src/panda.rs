@@ -5,10 +5,10 @@
 use ::core::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    Arm, FULL_POSE, Float, Frame, FreeValues, IkError, Jacobian, Joint, Kinematics, LengthError,
-    Limits, Measure, Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search, Seed, Servo,
-    Solution, SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted,
-    Winding, copy_into, jacobian_from_columns, joint_array, track,
+    Arm, ConstraintTerm, FULL_POSE, Float, Frame, FreeValues, IkError, Jacobian, Joint, Kinematics,
+    LengthError, Limits, Measure, Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search,
+    Seed, Servo, Solution, SolutionSet, Solutions, Step, Target, TargetKind, TrackError,
+    Violations, Wanted, Winding, copy_into, jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the Franka Emika Panda: 7 revolute joints.
@@ -143,8 +143,8 @@ impl Panda {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[6] },
-        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[6], constraints: &[] },
+        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(1), coefficient: -1.0 }, ConstraintTerm { equation: 2, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -258,6 +258,9 @@ impl Panda {
     ///           (r21 s7 + r22 c7))
     ///           (row 3 of the base's x axis in frame 1; row 3 of the base's y axis in frame 1)
     /// ```
+    ///
+    /// Another method (a trigonometric polynomial of degree 6 in theta3 is 0) finds the same
+    /// solutions at 32 of 32 random poses.
     ///
     /// Besides solving, on each branch: 162 multiplications, 93 additions, 1 sine-cosine pair.
     ///

@@ -99,8 +99,8 @@ impl Cobra600 {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
-        ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
+        ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[], constraints: &[] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -195,6 +195,9 @@ impl Cobra600 {
     ///           y2 = px s12 - py c12
     ///           (rows 1 and 2 of the position in frame 2)
     /// ```
+    ///
+    /// Another method (a trigonometric polynomial of degree 2 in theta4 is 0) finds the same
+    /// solutions at 32 of 32 random poses.
     ///
     /// Besides solving, on each branch: 26 multiplications, 16 additions, 0 sine-cosine pairs.
     ///

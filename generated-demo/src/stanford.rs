@@ -100,7 +100,7 @@ impl StanfordArm {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 1] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -203,6 +203,9 @@ impl StanfordArm {
     ///           xz4 = c4 (c2 (r11 c1 + r21 s1) - r31 s2) - s4 (r11 s1 - r21 c1)
     ///           (rows 1 and 2 of the x axis in frame 5)
     /// ```
+    ///
+    /// Another method (a trigonometric polynomial of degree 8 in theta4 is 0) finds the same
+    /// solutions at 23 of 32 random poses.
     ///
     /// Besides solving, on each branch: 75 multiplications, 39 additions, 0 sine-cosine pairs.
     ///

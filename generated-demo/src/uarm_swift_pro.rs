@@ -110,8 +110,8 @@ impl UArmSwiftPro {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
-        ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
+        ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[], constraints: &[] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`

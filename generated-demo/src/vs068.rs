@@ -5,10 +5,10 @@
 use ::core::f64::consts::{FRAC_PI_2, PI, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted,
-    NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet, Solutions, Step, Target,
-    TargetKind, TrackError, Violations, Wanted, Winding, copy_into, jacobian_from_columns,
-    joint_array, track,
+    ConstraintTerm, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError,
+    Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet,
+    Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into,
+    jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the DENSO VS-068: 6 revolute joints.
@@ -117,10 +117,14 @@ impl VS068 {
     /// Servos outside the chain, by name.
     pub const SERVOS: [(&'static str, Servo<'static>); 0] = [];
     /// The inverse problems that are solved.
+    #[allow(
+        clippy::approx_constant,
+        reason = "numbers of the table, as they were written"
+    )]
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
-        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
+        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: None, coefficient: -3.141592653589793 }] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -229,6 +233,9 @@ impl VS068 {
     ///           s3)) - c4 (r12 s1 - r22 c1)
     ///           (rows 1 and 2 of the x axis in frame 5)
     /// ```
+    ///
+    /// Another method (a trigonometric polynomial of degree 4 in theta4 is 0) finds the same
+    /// solutions at 32 of 32 random poses.
     ///
     /// Besides solving, on each branch: 101 multiplications, 58 additions, 0 sine-cosine pairs.
     ///
