@@ -126,7 +126,7 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Descent<'_, K, S> {
         let inverse = S::ONE / (S::ONE + S::from_f64(0.69 / (self.dof.max(1) as f64)));
         let mut power = S::from_f64(f64::from(number));
         for (value, joint) in q.iter_mut().zip(self.arm.joints()) {
-            power = power * inverse;
+            power *= inverse;
             let part = power - power.floor();
             let half = if joint.kind == JointKind::Revolute { S::PI } else { S::ONE / self.per_reach };
             let (min, max) = joint.limits.map_or((-half, half), |limits| (limits.min, limits.max));
@@ -152,7 +152,7 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Descent<'_, K, S> {
             } else {
                 damping *= S::from_f64(DAMPING);
             }
-            if !(moved > S::EPSILON.max(S::SQRT_EPSILON * S::from_f64(1e-3))) {
+            if moved <= S::EPSILON.max(S::SQRT_EPSILON * S::from_f64(1e-3)) {
                 break;
             }
         }
@@ -232,8 +232,8 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Descent<'_, K, S> {
         let mut factor = [[S::ZERO; MAX_JOINTS]; MAX_JOINTS];
         let dof = self.dof.min(MAX_JOINTS);
         for i in 0..dof {
-            let (done, open) = factor.split_at_mut(i);
-            let (Some(row), Some(own)) = (open.first_mut(), columns.get(i)) else { break };
+            let Some((done, [row, ..])) = factor.split_at_mut_checked(i) else { break };
+            let Some(own) = columns.get(i) else { break };
             for (j, (above, other)) in done.iter().zip(&columns).enumerate() {
                 let part = row.iter().zip(above).take(j).fold(S::ZERO, |sum, (a, b)| sum + *a * *b);
                 let diagonal = above.get(j).copied().unwrap_or(S::ONE);

@@ -51,7 +51,7 @@ impl Step {
     }
 
     /// How far from 0 its unknown goes, at most: half a turn, or the reach (m).
-    pub(crate) fn half_range<S: Float>(&self, reach: S) -> S {
+    pub(crate) fn half_range<S: Float>(self, reach: S) -> S {
         if self.prismatic { reach } else { S::PI }
     }
 

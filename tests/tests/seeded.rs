@@ -165,13 +165,14 @@ fn moves_by_itself(oracle: &Oracle, q: &[f64; 6]) -> bool {
     // To the tool's pose by the shortest way, and how far it stays off.
     let back = |mut q: [f64; 6]| {
         for _ in 0..40 {
-            let step = jacobian(&q).solve(&(target - pose(&q)), 1e-3).unwrap();
+            let step = jacobian(&q).solve(&(target - pose(&q)), 1e-3);
+            let step = step.unwrap_or_else(|error| panic!("{error}"));
             q.iter_mut().zip(&step).for_each(|(value, change)| *value += change);
         }
         (q, (target - pose(&q)).amax())
     };
     let here = jacobian(q);
-    let rows = here.v_t.unwrap();
+    let Some(rows) = here.v_t else { return false };
     let idle = (0..6).filter(|&row| here.singular_values[row] < 1e-6);
     idle.flat_map(|row| [(row, 1.0), (row, -1.0)]).any(|(row, side)| {
         [0.03, 0.08].iter().all(|&length| {

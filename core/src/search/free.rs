@@ -101,7 +101,7 @@ impl<S: Float> Free<S> {
         let (from, eighths) = if self.even > EVEN && number < EVEN {
             // About what is wanted, the nearest first.
             let away = (number / 2 + 1) as i8;
-            (self.start, if number % 2 == 0 { away } else { -away })
+            (self.start, if number.is_multiple_of(2) { away } else { -away })
         } else {
             (S::ZERO, ORDER.get((number % EVEN) as usize).copied().unwrap_or(0))
         };

@@ -143,8 +143,9 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let step = candidates.step;
         self.free_steps &= !bit(step);
         // The joints to be found are the step's rows, base to tip; behind them are those that only the chain has.
-        let rows = (0..u32::BITS).filter(|row| step.rows & (1 << row) != 0);
-        let row = candidate.free.and_then(|place| rows.clone().nth(place).or_else(|| rows.last()));
+        let mut rows = (0..u32::BITS).filter(|row| step.rows & (1 << row) != 0);
+        let last = rows.clone().next_back();
+        let row = candidate.free.and_then(|place| rows.nth(place).or(last));
         if let Some(row) = row {
             self.free_steps |= bit(step);
             if let Some(slot) = self.free_rows.get_mut(usize::from(step.index)) {

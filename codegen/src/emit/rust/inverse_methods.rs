@@ -103,7 +103,7 @@ impl Printer<'_> {
             arguments.target.clone()
         }];
         passed.extend(free.map(|_| Expression::Atom("&free.values()".to_owned())));
-        passed.push(Expression::Atom(self.paths.prelude("None").to_owned()));
+        passed.push(Expression::Atom(self.paths.prelude("None")));
         let call = Expression::Call(private_name(*problem), passed);
         text.laid_out(&statement(text.indent(), "", &call, ""));
         text.close("}");
