@@ -15,6 +15,7 @@
 //! as well. Which choices suit an arm best is found by the compiler.
 
 mod circuit;
+mod continuum;
 mod jacobian;
 mod line;
 mod linear;
@@ -162,6 +163,8 @@ pub struct Outcome {
     pub miss: f64,
     /// How far (rad, reaches) Newton's method had to go from the worst of the roots.
     pub moved: f64,
+    /// Whether a choice of joints before was doubtful, or this one.
+    pub doubted: bool,
 }
 
 impl SixJoints<'_> {
@@ -237,7 +240,8 @@ impl SixJoints<'_> {
         let roots = waves.roots();
         let miss = if roots.as_slice().is_empty() { waves.miss(&roots) } else { 0.0 };
         let degenerate = noise > NOISE || resultant.pivot < PIVOT;
-        let mut outcome = Outcome { doubtful: roots.doubtful || degenerate, miss, moved: 0.0 };
+        let doubtful = roots.doubtful || degenerate;
+        let mut outcome = Outcome { doubtful, miss, moved: 0.0, doubted: false };
         let mut known = [[f64::NAN; JOINTS]; 2 * waves::MAX_ROOTS];
         let mut count = 0;
         let periods = chart.periods.max(1);
@@ -323,11 +327,12 @@ impl SixJoints<'_> {
 }
 
 impl Outcome {
-    const UNKNOWN: Self = Self { doubtful: true, miss: f64::INFINITY, moved: f64::INFINITY };
+    const UNKNOWN: Self = Self { doubtful: true, miss: f64::INFINITY, moved: f64::INFINITY, doubted: false };
 
     /// After one more search.
     fn and(self, other: Self) -> Self {
-        Self { miss: if other.miss < self.miss { other.miss } else { self.miss }, ..other }
+        let miss = if other.miss < self.miss { other.miss } else { self.miss };
+        Self { miss, doubted: self.doubted || other.doubtful, ..other }
     }
 }
 

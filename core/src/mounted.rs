@@ -6,7 +6,7 @@ use core::fmt;
 
 use crate::frame::{add, cross};
 use crate::{
-    Float, Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rules, SolutionSet,
+    Float, Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rules, Seed, SolutionSet,
     Target, TargetKind,
 };
 
@@ -210,20 +210,17 @@ impl<K: Kinematics<S>, S: Float> Kinematics<S> for Mounted<K, S> {
         Ok(())
     }
 
-    fn ik_into(&self, problem: &str, target: &Target<S>, out: &mut SolutionSet<S>) -> Result<(), IkError<S>> {
-        let solve = |target: &Target<S>, out: &mut SolutionSet<S>| self.arm.ik_into(problem, target, out);
-        self.solve(target, &solve, out)
-    }
-
-    fn ik_at_into(
+    fn ik_seeded_into(
         &self,
         problem: &str,
         target: &Target<S>,
         free: &[S],
+        seed: Option<Seed<'_, S>>,
         out: &mut SolutionSet<S>,
     ) -> Result<(), IkError<S>> {
-        let solve =
-            |target: &Target<S>, out: &mut SolutionSet<S>| self.arm.ik_at_into(problem, target, free, out);
+        let solve = |target: &Target<S>, out: &mut SolutionSet<S>| {
+            self.arm.ik_seeded_into(problem, target, free, seed, out)
+        };
         self.solve(target, &solve, out)
     }
 

@@ -15,7 +15,7 @@ pub use roots::Roots;
 
 use free::Free;
 
-use crate::{Float, IkError, Rule, Solution, Solutions, Step, Winding, residual_tolerance};
+use crate::{Float, IkError, Rule, Solution, Solutions, Step, Wanted, Winding, residual_tolerance};
 
 /// Coefficients up to this many machine epsilons (of the size of the numbers that the equation is made of) are what
 /// rounding leaves of 0.
@@ -50,6 +50,8 @@ pub struct Search<'a, const N: usize, S = f64> {
     solutions: Solutions<N, S>,
     /// Bit i is set where step i, solved last, left its unknown free.
     free_steps: u32,
+    /// The first row of what each step left free.
+    free_rows: [u8; N],
     /// What was tried of each step that is free, or was.
     free: [Option<Free<S>>; N],
     failure: Option<Failure<S>>,
@@ -59,6 +61,8 @@ pub struct Search<'a, const N: usize, S = f64> {
     doubtful: bool,
     /// Whether solutions that are off were brought nearer to their target: then those that stay off miss it.
     polished: bool,
+    /// What the unknowns are at joint values to be near to, and how far from there free ones are tried first.
+    wanted: Option<(&'a [S], S)>,
 }
 
 /// Why a branch ended.
@@ -88,12 +92,20 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             windings,
             solutions: Solutions::EMPTY,
             free_steps: 0,
+            free_rows: [0; N],
             free: core::array::from_fn(|_| None),
             failure: None,
             accepted: 0,
             doubtful: false,
             polished: false,
+            wanted: None,
         }
+    }
+
+    /// The same; unknowns that the target leaves free are set as near as can be to what is wanted of them.
+    #[inline]
+    pub fn about<const K: usize>(reach: S, windings: &'a [Winding<'a, S>], wanted: &'a Wanted<K, S>) -> Self {
+        Self { wanted: wanted.view(), ..Self::new(reach, windings) }
     }
 
     /// Takes a candidate (rad or m) with its errors against the target (m, rad). Revolute joints are brought to
@@ -166,12 +178,22 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             return self.singular(step, gap, scale);
         }
         self.mark_free(step);
-        self.free(Free::any(step, S::ZERO, self.accepted))
+        self.free(Free::any(step, self.wanted_of(step), self.accepted))
+    }
+
+    /// What is wanted (rad or m) of the unknown of a step.
+    fn wanted_of(&self, step: Step) -> Option<S> {
+        let (unknowns, aside) = self.wanted?;
+        let value = *unknowns.get(usize::from(step.index))? + aside * step.half_range(self.reach);
+        value.is_finite().then_some(value)
     }
 
     fn mark_free(&mut self, step: Step) {
         self.doubtful = true;
         self.free_steps |= bit(step);
+        if let Some(row) = self.free_rows.get_mut(usize::from(step.index)) {
+            *row = step.first_row() as u8;
+        }
     }
 
     fn singular(&mut self, step: Step, gap: S, scale: &Scale<S>) -> Roots<S> {
@@ -187,8 +209,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         if self.free_steps == 0 {
             return None;
         }
-        let outermost = self.free.get(self.free_steps.trailing_zeros() as usize).copied().flatten();
-        outermost.map(|free| free.step.first_row())
+        self.free_rows.get(self.free_steps.trailing_zeros() as usize).map(|row| usize::from(*row))
     }
 }
 

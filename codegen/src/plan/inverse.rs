@@ -1,6 +1,7 @@
 //! Plans of the inverse functions: one nested step an unknown.
 
 use super::schedule::{Constants, Scheduler};
+use super::unknowns;
 use super::{Equation, Function, FunctionKind, Measure, Scalar, Stage, Step};
 use crate::model::{JointKind, Model, Problem, Target};
 use crate::symbolic::expression::Expr;
@@ -29,7 +30,7 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
     if !named && excess == 1 {
         match redundant(model) {
             Ok((problem, derivation)) => {
-                functions.push(function(None, &problem, &derivation, true, constants));
+                functions.push(function(model, None, &problem, &derivation, true, constants));
             }
             Err(refusal) => unsolved.push(Unsolved { problem: None, refusal }),
         }
@@ -52,7 +53,7 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
             Some((problem, Ok(derivation))) => {
                 let index_of = index.and_then(|index| model.problems.get(index));
                 let polish = problem.is_whole_pose() && index_of.is_none_or(Problem::is_whole_pose);
-                functions.push(function(index, problem, derivation, polish, constants));
+                functions.push(function(model, index, problem, derivation, polish, constants));
             }
             Some((_, Err(refusal))) => {
                 unsolved.push(Unsolved { problem: index, refusal: refusal.clone() });
@@ -103,6 +104,7 @@ pub(super) fn full_pose(free: Vec<usize>) -> Problem {
 }
 
 fn function(
+    model: &Model,
     index: Option<usize>,
     problem: &Problem,
     derivation: &Derivation,
@@ -132,7 +134,9 @@ fn function(
     // What depends on the given joints alone is the same in every branch.
     scheduler.leaves_of(derivation.given.len(), &computed);
     let mut steps = std::mem::take(&mut scheduler.steps);
-    let stages = derivation.stages.iter().map(stage).collect();
+    let stages: Vec<Stage> = derivation.stages.iter().map(stage).collect();
+    let given = derivation.given.len();
+    let unknowns = unknowns::of(&derivation.joints, given, given + stages.len());
     steps.extend(nested(&mut scheduler, derivation, polish, 0));
     Function {
         kind: FunctionKind::Inverse(index),
@@ -143,6 +147,9 @@ fn function(
         outputs: Vec::new(),
         counts: scheduler.counts,
         stages,
+        unknowns,
+        constraints: super::constraints::of(model, index),
+        agreement: None,
     }
 }
 

@@ -25,6 +25,10 @@ const CLEAR: f64 = 1024.0;
 /// the larger one: no digit but the last two is lost then.
 const INDEPENDENT: f64 = 1e-4;
 
+/// Two rows of this many machine epsilons (of the size of the numbers that they are made of) are met by any angle, as far as
+/// the target is: to 1e-13 in f64. What they say of it is what rounding has left.
+const INDIFFERENT: f64 = 512.0;
+
 /// Cosine and sine from two well-conditioned rows are taken as they come if the sum of their squares is this many
 /// machine epsilons from 1.
 const CONSISTENT: f64 = 4096.0;
@@ -188,9 +192,15 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let (cosine, sine) = (cosine / length, sine / length);
         let change = gauss_newton(first, second, cosine, sine);
         if h <= scale.tolerance {
+            let root = sine.atan2(cosine) + change;
+            if h.max(gap) <= S::from_f64(INDIFFERENT) * S::EPSILON * scale.size {
+                self.mark_free(step);
+                let value = self.wanted_of(step).unwrap_or(root);
+                return self.free(Free::any(step, Some(value), self.accepted));
+            }
             // Rounding of the right-hand sides, over the size of the rows.
             let uncertainty = (scale.vanishing / h).min(S::PI);
-            return self.free(Free::about(step, sine.atan2(cosine) + change, uncertainty, self.accepted));
+            return self.free(Free::about(step, root, uncertainty, self.accepted));
         }
         let (sin, cos) = change.sin_cos();
         Roots::angle([sine * cos + cosine * sin, cosine * cos - sine * sin])

@@ -95,7 +95,6 @@ impl Body<'_> {
                         explain(text, stage);
                     }
                     let roots: Vec<_> = roots.iter().map(|root| self.name(*root)).collect();
-                    let head = format!("for [{}] in", roots.join(", "));
                     let given = given.iter().map(|value| self.leaves.expression(value)).collect();
                     let given = Expression::Array(given).flat();
                     let arguments = [
@@ -106,7 +105,12 @@ impl Body<'_> {
                     ];
                     let arguments = arguments.map(|argument| Expression::Atom(argument.to_owned())).to_vec();
                     let call = Expression::Call("search.general".to_owned(), arguments);
-                    text.laid_out(&statement(text.indent(), &head, &call, " {"));
+                    text.laid_out(&statement(text.indent(), "let mut candidates =", &call, ";"));
+                    let some = self.leaves.paths.prelude("Some");
+                    let roots = roots.join(", ");
+                    text.line(format!(
+                        "while let {some}([{roots}]) = search.next_candidate(&mut candidates) {{"
+                    ));
                     let mut nested = Text::indented(text.indent() / 4 + 1);
                     self.steps(&mut nested, body, accept);
                     text.append(&nested.into_string());

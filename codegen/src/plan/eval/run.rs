@@ -151,15 +151,17 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
             return;
         };
         let given: Vec<S> = general.given.iter().map(|register| registers.get(*register)).collect();
-        let candidates = self.search.general(*step, &general.chain.arm(), self.target, &given);
-        (self.observer)(Event::Stage { index: general.stage, stage, roots: candidates.as_slice().len() });
-        for (number, values) in candidates.into_iter().enumerate() {
+        let mut candidates = self.search.general(*step, &general.chain.arm(), self.target, &given);
+        (self.observer)(Event::Stage { index: general.stage, stage, roots: candidates.len() });
+        let mut number = 0;
+        while let Some(values) = self.search.next_candidate(&mut candidates) {
             for (root, value) in general.roots.iter().zip(values) {
                 registers.set(*root, value);
                 let name = self.names.values.get(*root).map_or("", String::as_str);
                 (self.observer)(Event::Root { stage: general.stage, number, name, value });
             }
             self.block(&general.body, registers);
+            number += 1;
         }
         (self.observer)(Event::Done { stage: general.stage });
     }
