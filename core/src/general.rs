@@ -194,17 +194,12 @@ impl SixJoints<'_> {
             for (size, side) in NEIGHBOURS {
                 let [x, y, z, roll, pitch, yaw] = side.map(|part| part * size);
                 let step = Frame::from_rpy([x, y, z].map(|length| length * self.reach), [roll, pitch, yaw]);
-                let from = self.solve_from(*chart, &pose.compose(&step), pose, &mut |solution: &_| {
-                    count += 1;
-                    found(solution);
-                });
+                let from = self.solve_from(*chart, &pose.compose(&step), pose, &mut found);
                 outcome = Outcome { doubtful: true, ..outcome.and(from) };
             }
         }
-        if count > 0 {
-            return outcome;
-        }
-        // At the edge of the workspace no neighbour may be attainable; there, Newton's method needs no polynomial.
+        // At the edge of the workspace no neighbour may be attainable, and on some arms roots are double at every pose; there,
+        // Newton's method needs no polynomial.
         let (scaled, target) = (self.scaled(), self.in_reaches(pose));
         for start in starts() {
             if let Some(solution) = scaled.nearby(&target, &start) {
@@ -245,10 +240,12 @@ impl SixJoints<'_> {
         let mut known = [[f64::NAN; JOINTS]; 2 * waves::MAX_ROOTS];
         let mut count = 0;
         let periods = chart.periods.max(1);
-        let places = roots.as_slice().iter().flat_map(|root| (0..periods).map(move |turn| (*root, turn)));
-        for (root, turn) in places {
+        let likely = roots.as_slice().iter().map(|root| (*root, true));
+        let places = likely.chain(roots.unlikely().iter().map(|root| (*root, false)));
+        let places = places.flat_map(|place| (0..periods).map(move |turn| (place, turn)));
+        for ((root, likely), turn) in places {
             let root = (root + f64::from(turn) * core::f64::consts::TAU) / f64::from(periods);
-            let mut hit = false;
+            let mut hit = !likely;
             for q in circuit.rest(resultant.others(root)).iter().flatten() {
                 let Some(solution) = scaled.nearby(&target, q) else { continue };
                 let moved = solution.iter().zip(q).map(|(to, from)| libm::fabs(to - from));
@@ -258,10 +255,12 @@ impl SixJoints<'_> {
                 hit |= libm::fabs(unknown(&solution) - unknown(q)) <= FAR;
                 if known.iter().take(count).any(|other| same(other, &solution, self.prismatic, SAME)) {
                     // Two roots have gone to one solution: another may have none.
-                    outcome.doubtful = true;
+                    outcome.doubtful |= likely;
                 } else if let Some(place) = known.get_mut(count) {
                     *place = solution;
                     count += 1;
+                    // Where one is that should not be, the polynomial is not to be trusted.
+                    outcome.doubtful |= !likely;
                 }
                 found(&self.in_metres(solution));
             }

@@ -136,15 +136,11 @@ impl CraneX7 {
         ("hand", Servo::new(651.898_646_904_403_3, 2048.0).with_id(9).with_range(0.0, 4095.0).with_model("XM430-W350")),
     ];
     /// The inverse problems that are solved.
-    #[allow(
-        clippy::approx_constant,
-        reason = "numbers of the table, as they were written"
-    )]
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
         ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[2], constraints: &[] },
         ProblemInfo { name: "planar", target: TargetKind::Position, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }, ConstraintTerm { equation: 3, joint: Some(6), coefficient: 1.0 }] },
-        ProblemInfo { name: "wrist_down", target: TargetKind::Position, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: None, coefficient: 3.141592653589793 }, ConstraintTerm { equation: 3, joint: Some(6), coefficient: 1.0 }] },
+        ProblemInfo { name: "wrist_down", target: TargetKind::Position, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: None, coefficient: PI }, ConstraintTerm { equation: 3, joint: Some(6), coefficient: 1.0 }] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -257,7 +253,7 @@ impl CraneX7 {
     ///           (row 3 of the x axis in frame 0; row 3 of the y axis in frame 0)
     /// ```
     ///
-    /// Another method (a trigonometric polynomial of degree 8 in theta2 is 0) finds the same
+    /// Another method (a trigonometric polynomial of degree 8 in theta5 is 0) finds the same
     /// solutions at 32 of 32 random poses.
     ///
     /// Besides solving, on each branch: 128 multiplications, 65 additions, 1 sine-cosine pair.
@@ -357,7 +353,7 @@ impl CraneX7 {
     /// ```
     ///
     /// Another method (a trigonometric polynomial of degree 4 in tool1 is 0) finds the same
-    /// solutions at 17 of 32 random poses.
+    /// solutions at 32 of 32 random poses.
     ///
     /// Besides solving, on each branch: 23 multiplications, 15 additions, 0 sine-cosine pairs.
     ///

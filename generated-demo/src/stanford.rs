@@ -205,7 +205,7 @@ impl StanfordArm {
     /// ```
     ///
     /// Another method (a trigonometric polynomial of degree 8 in theta4 is 0) finds the same
-    /// solutions at 23 of 32 random poses.
+    /// solutions at 32 of 32 random poses.
     ///
     /// Besides solving, on each branch: 75 multiplications, 39 additions, 0 sine-cosine pairs.
     ///

@@ -107,14 +107,10 @@ impl UR5 {
     /// Servos outside the chain, by name.
     pub const SERVOS: [(&'static str, Servo<'static>); 0] = [];
     /// The inverse problems that are solved.
-    #[allow(
-        clippy::approx_constant,
-        reason = "numbers of the table, as they were written"
-    )]
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
         ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
-        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: None, coefficient: 1.5707963267948966 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: None, coefficient: 1.5707963267948966 }] },
+        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: None, coefficient: FRAC_PI_2 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: None, coefficient: FRAC_PI_2 }] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`

@@ -62,7 +62,7 @@ fn nothing_nearby_is_nearer() {
             Frame { rotation: rows.map(|row| row.0), translation: rows.map(|row| row.1) }
         };
         let mut any = || -> Vec<f64> {
-            let inside = |l: &Limits| l.min + (random.next() + 1.0) / 2.0 * (l.max - l.min);
+            let inside = |l: &Limits| l.min + f64::midpoint(random.next(), 1.0) * (l.max - l.min);
             limits.iter().map(inside).collect()
         };
         // The way from frame to frame in the middle of the limits: the measure of lengths.

@@ -6,7 +6,18 @@ use dh_codegen::{compile, plan};
 
 #[test]
 fn two_methods_agree_on_arms_of_every_class() {
-    for name in ["puma560", "ur5e", "irb120", "elbow3r", "planar2r", "crx10ia_l", "jaco2", "panda", "wx250"] {
+    for name in [
+        "puma560",
+        "stanford",
+        "ur5e",
+        "irb120",
+        "elbow3r",
+        "planar2r",
+        "crx10ia_l",
+        "jaco2",
+        "panda",
+        "wx250",
+    ] {
         let output = compile(dh_robots::table(name).unwrap(), Level::Full).output.unwrap();
         let kept = output.plan.functions.iter().filter_map(|function| function.agreement.as_ref());
         let mut count = 0;
@@ -27,7 +38,7 @@ fn solutions_that_one_method_lacks_are_counted() {
         for step in &mut second.steps {
             if let Step::General { chain, .. } = step {
                 // Of too low a degree, they find nothing: what is left is Newton's method from many places, which misses some.
-                chain.charts.iter_mut().for_each(|chart| chart.degree = 2);
+                chain.charts.iter_mut().for_each(|chart| chart.degree = 1);
             }
         }
         Some(second)

@@ -166,7 +166,7 @@ fn moves_by_itself(oracle: &Oracle, q: &[f64; 6]) -> bool {
     let back = |mut q: [f64; 6]| {
         for _ in 0..40 {
             let step = jacobian(&q).solve(&(target - pose(&q)), 1e-3);
-            let step = step.unwrap_or_else(|error| panic!("{error}"));
+            let Ok(step) = step else { return (q, f64::INFINITY) };
             q.iter_mut().zip(&step).for_each(|(value, change)| *value += change);
         }
         (q, (target - pose(&q)).amax())

@@ -134,9 +134,12 @@ impl Printer<'_> {
                         Some(joint) => format!("{}({joint})", self.paths.prelude("Some")),
                         None => self.paths.prelude("None"),
                     };
-                    let (equation, coefficient) = (term.equation, term.coefficient);
-                    numbers.approximate.set(numbers.approximate.get() || looks_approximate(coefficient));
-                    format!("{ty} {{ equation: {equation}, joint: {joint}, coefficient: {coefficient:?} }}")
+                    // Of type f64, whatever the scalar is.
+                    let coefficient = number(term.coefficient, super::ScalarType::F64, &self.paths);
+                    let approximate = coefficient.contains('.') && looks_approximate(term.coefficient);
+                    numbers.approximate.set(numbers.approximate.get() || approximate);
+                    let equation = term.equation;
+                    format!("{ty} {{ equation: {equation}, joint: {joint}, coefficient: {coefficient} }}")
                 });
                 let constraints: Vec<_> = constraints.collect();
                 format!(
