@@ -99,7 +99,8 @@ pub fn verify_or_else(
         |report: &Option<FunctionReport>| report.as_ref().is_some_and(|report| report.failure.is_none());
     let mut found = verification.reports(&plan);
     for function in others(&plan, &found, next) {
-        let functions = plan.functions.iter().filter(|other| other.kind == FunctionKind::Fk);
+        let needed = |other: &&Function| matches!(other.kind, FunctionKind::Fk | FunctionKind::FkJacobian);
+        let functions = plan.functions.iter().filter(needed);
         let functions = functions.cloned().chain([function.clone()]).collect();
         let alone = Plan { constants: plan.constants.clone(), functions };
         found.push(verification.reports(&alone).pop().flatten());

@@ -82,7 +82,9 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         .q
         .iter()
         .map(|form| sum(form, |place| joints.get(place).cloned().unwrap_or(Scalar::Number(0.0))));
-    let body = vec![Step::Accept { q: q.collect(), tool: Vec::new(), polish: false }];
+    // Of an arm with fewer joints than the chain: what those that were added are off by is taken away again.
+    let polish = problem.is_whole_pose() && general.joints.iter().any(|joint| joint.row.is_none());
+    let body = vec![Step::Accept { q: q.collect(), tool: Vec::new(), polish }];
     let unknowns = unknowns(&general);
     let chain = GeneralChain { charts, ..chain };
     let function = Function {
