@@ -16,6 +16,10 @@ pub struct Roots<S = f64> {
     second: Root<S>,
     /// Whether the second one is the first one's negative: then so is its angle.
     opposite: bool,
+    /// The bit that tells the two roots apart in a [`Branch`](crate::Branch); 0 of a step with one.
+    bit: u32,
+    /// That bit where the next root is the `-` root, else 0.
+    minus: u32,
     /// The angle of the root before.
     angle: S,
 }
@@ -39,6 +43,8 @@ impl<S: Float> Roots<S> {
         first: [S::ZERO; 2],
         second: [S::ZERO; 2],
         opposite: false,
+        bit: 0,
+        minus: 0,
         angle: S::ZERO,
     };
 
@@ -48,7 +54,7 @@ impl<S: Float> Roots<S> {
         Self { left: 1, first, ..Self::NONE }
     }
 
-    /// Two angles by sine and cosine; `opposite` where they differ in the sign of the sine alone.
+    /// Two angles by sine and cosine, the `+` root first; `opposite` where they differ in the sign of the sine alone.
     #[inline]
     pub(super) const fn angles(first: [S; 2], second: [S; 2], opposite: bool) -> Self {
         Self { left: 2, first, second, opposite, ..Self::NONE }
@@ -59,7 +65,7 @@ impl<S: Float> Roots<S> {
         Self { form: Form::Values, left: 1, first: [value, S::ZERO], ..Self::NONE }
     }
 
-    /// Two values (m, rad).
+    /// Two values (m, rad), the `+` root first.
     pub(super) const fn values(first: S, second: S) -> Self {
         Self { form: Form::Values, left: 2, first: [first, S::ZERO], second: [second, S::ZERO], ..Self::NONE }
     }
@@ -67,6 +73,17 @@ impl<S: Float> Roots<S> {
     /// Any value, or one that is not known well; the first is `value`. The search knows the others.
     pub(super) const fn any(step: Step, value: S) -> Self {
         Self { form: Form::Free(step.index), left: 1, first: [value, S::ZERO], ..Self::NONE }
+    }
+
+    /// The same of a step whose roots have signs, which this bit stands for; `+` comes first.
+    #[inline]
+    pub(super) const fn signed(self, bit: u32) -> Self {
+        Self { bit, minus: 0, ..self }
+    }
+
+    /// The same of a single one that is the `-` root.
+    pub(super) const fn negative(self) -> Self {
+        Self { minus: self.bit, ..self }
     }
 
     /// How many roots there are; any value counts as one.
@@ -83,8 +100,8 @@ impl<S: Float> Roots<S> {
     /// registers.
     #[inline]
     pub(super) const fn unpacked(self) -> Self {
-        let Self { form, left, first: [a, b], second: [c, d], opposite, angle } = self;
-        Self { form, left, first: [a, b], second: [c, d], opposite, angle }
+        let Self { form, left, first: [a, b], second: [c, d], opposite, bit, minus, angle } = self;
+        Self { form, left, first: [a, b], second: [c, d], opposite, bit, minus, angle }
     }
 
     #[inline]
@@ -95,7 +112,14 @@ impl<S: Float> Roots<S> {
         self.left -= 1;
         let root = self.first;
         self.first = self.second;
+        self.minus ^= self.bit;
         Some(root)
+    }
+
+    /// A branch that was taken, as it is with the next root.
+    #[inline]
+    const fn branch(&self, taken: u32) -> u32 {
+        (taken & !self.bit) | self.minus
     }
 
     /// A root as a value.
@@ -119,8 +143,10 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     #[inline]
     pub fn next(&mut self, roots: &mut Roots<S>) -> Option<S> {
         if let Form::Free(step) = roots.form {
+            self.branch = roots.branch(self.branch);
             return self.next_value(step);
         }
+        self.branch = roots.branch(self.branch);
         let root = roots.take()?;
         Some(roots.value_of(root))
     }
@@ -132,16 +158,19 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         match roots.form {
             Form::Angles => {
                 let second = roots.left == 1;
+                self.branch = roots.branch(self.branch);
                 let [sin, cos] = roots.take()?;
                 let angle = if roots.opposite && second { -roots.angle } else { sin.atan2(cos) };
                 roots.angle = angle;
                 Some((angle, sin, cos))
             }
             Form::Values => {
+                self.branch = roots.branch(self.branch);
                 let [angle, _] = roots.take()?;
                 Some(with_sine(angle))
             }
             Form::Free(step) => {
+                self.branch = roots.branch(self.branch);
                 let angle = self.next_value(step)?;
                 Some(with_sine(angle))
             }
