@@ -138,9 +138,14 @@ impl fmt::Display for NamedBranch<'_> {
 }
 
 impl Step {
-    /// The bit of a [`Branch`].
+    /// The bit among all steps.
     pub(crate) fn bit(self) -> u32 {
         bit_of(self.index)
+    }
+
+    /// The bit of a [`Branch`], where it has one.
+    pub(crate) fn sign_bit(self) -> u32 {
+        if self.signed { self.bit() } else { 0 }
     }
 }
 

@@ -160,7 +160,7 @@ impl<S: Float> Target<S> {
         })
     }
 
-    /// The target of a kind that a tool frame meets.
+    /// The target of a kind that a tool frame meets; of those that many do, its own tool point.
     pub fn met_by(kind: TargetKind, tool: &Frame<S>) -> Self {
         let (position, direction) = (tool.translation, tool.z_axis());
         let ([x, y, _], [[r11, ..], [r21, ..], _]) = (position, tool.rotation);
@@ -173,7 +173,7 @@ impl<S: Float> Target<S> {
             TargetKind::Rotation => Self::Rotation(tool.rotation),
             TargetKind::Direction => Self::Direction(direction),
             TargetKind::Ray => Self::Ray { position, direction },
-            TargetKind::Lookat => Self::Lookat(add(position, direction)),
+            TargetKind::Lookat => Self::Lookat(position),
             TargetKind::Xy => Self::Xy([x, y]),
             TargetKind::XyYaw => Self::XyYaw { position: [x, y], yaw },
         }

@@ -7,8 +7,8 @@ use dh_core::{BranchBit, BranchWord};
 /// The steps with two roots, in order, with the word for each.
 ///
 /// Of the joints that a problem solves for, the first ones bring the tool (or the wrist) to its place, as many as it has
-/// coordinates: the first of these is the shoulder's, the later the elbow's. Those behind turn the wrist. An arm that was
-/// solved from its tip is the same the other way round. A word that two steps would share, or a slide would get, says
+/// coordinates: the first of these with two roots is the shoulder's, the last the elbow's. Those behind turn the wrist. An
+/// arm that was solved from its tip is the same the other way round. A word that two steps would share, or a slide would get, says
 /// nothing: then it is the joint's own.
 pub(super) fn bits(model: &Model, target: Target, stages: &[Stage], from_tip: bool) -> Vec<BranchBit> {
     let solved = stages.iter().fold(0, |rows, stage| rows | stage.rows);
@@ -31,13 +31,32 @@ pub(super) fn bits(model: &Model, target: Target, stages: &[Stage], from_tip: bo
     } else {
         [BranchWord::Shoulder, BranchWord::Wrist]
     };
+    let turns = |row: &usize| model.rows.get(*row).is_some_and(|row| row.kind == JointKind::Revolute);
+    // Two joints that turn and place the tool make an elbow, whichever joint's step has its roots.
+    let bends = rows.iter().take(placing).filter(|row| turns(row)).count() > 1;
+    let turning = bits.iter().filter(|(_, bit)| turns(&bit.row)).map(|(place, _)| *place);
+    let mut places: Vec<usize> = turning.collect();
+    places.sort_unstable();
+    let placed = places.partition_point(|place| *place < placing);
+    let (shoulder, elbow) = match places.get(..placed).unwrap_or(&[]) {
+        [] if bends => (None, places.first().copied()),
+        [only] if bends => (None, Some(*only)),
+        [] => (None, None),
+        [only] => (Some(*only), None),
+        [nearest, .., last] => (Some(*nearest), Some(*last)),
+    };
     for (place, bit) in &mut bits {
-        let turns = model.rows.get(bit.row).is_some_and(|row| row.kind == JointKind::Revolute);
-        bit.word = match *place {
-            _ if !turns => BranchWord::Joint,
-            place if place >= placing => behind,
-            0 => first,
-            _ => BranchWord::Elbow,
+        let own = Some(*place);
+        bit.word = if !turns(&bit.row) {
+            BranchWord::Joint
+        } else if own == elbow {
+            BranchWord::Elbow
+        } else if own == shoulder {
+            first
+        } else if *place >= placing {
+            behind
+        } else {
+            BranchWord::Joint
         };
     }
     let bits: Vec<BranchBit> = bits.into_iter().map(|(_, bit)| bit).collect();

@@ -87,9 +87,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         };
         // Angles are compared in rad, slides in m.
         let scale = if arm.reach < 1.0 { arm.reach } else { 1.0 };
-        let own = step.rows.count_ones() as usize;
-        // Joints that are there because the arm has too few make a determinant that says nothing of the arm.
-        let signed = own == target.kind().rows();
+        let behind = JOINTS.saturating_sub(step.rows.count_ones() as usize);
         let mut found = Candidates::none(step);
         let outcome = six.solve(&pose, |solution| {
             let crowded = found.len >= MAX_SOLUTIONS && six.is_singular(solution);
@@ -102,7 +100,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             found = self.without_curves(&six, &pose, &found, scale);
         }
         for candidate in found.as_slice() {
-            let minus = signed && six.is_turned_over(&candidate.q, JOINTS.saturating_sub(own));
+            let minus = step.signed && six.is_turned_over(&candidate.q, behind);
             candidates.push(Candidate { q: candidate.q.map(S::from_f64), free: candidate.free, minus });
         }
         if found.is_empty() {

@@ -19,7 +19,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let scale = self.begin(step);
         self.doubtful = true;
         let signed = |roots: Roots<S>, plus: bool| {
-            let roots = roots.signed(step.bit());
+            let roots = roots.signed(step.sign_bit());
             if plus { roots } else { roots.negative() }
         };
         // In units of the reach: every term has the dimension and the size of the equation then.

@@ -268,7 +268,6 @@ fn linear(row: usize, text: &str) -> Linear {
 }
 
 fn stage(rows: u32, unknown: &str, measure: Measure, equation: &str, origin: &str) -> Stage {
- plus: None,
     Stage {
         rows,
         unknown: unknown.to_owned(),
@@ -276,6 +275,7 @@ fn stage(rows: u32, unknown: &str, measure: Measure, equation: &str, origin: &st
         equation: equation.to_owned(),
         definitions: Vec::new(),
         origin: origin.to_owned(),
+        plus: None,
     }
 }
 

@@ -34,7 +34,9 @@ impl<'a> Printer<'a> {
         let body = self.body(function, &locals);
         let mut lines = Text::indented(1);
         for (index, (stage, name)) in function.stages.iter().zip(&locals.stages).enumerate() {
-            lines.line(self.stage(index, stage, name));
+            let choice = stage.plus.is_some() || function.is_searched();
+            let signed = function.has_sign(index) || !choice;
+            lines.line(self.stage(index, stage, name, signed));
         }
         for step in &function.steps {
             if let Step::General { chain, .. } = step {
@@ -112,7 +114,7 @@ impl<'a> Printer<'a> {
     }
 
     /// The description of a stage, for errors.
-    fn stage(&self, index: usize, stage: &Stage, name: &str) -> String {
+    fn stage(&self, index: usize, stage: &Stage, name: &str, signed: bool) -> String {
         let step = self.paths.runtime("Step");
         let measure = match stage.measure {
             Measure::Ratio => "Ratio",
@@ -124,7 +126,8 @@ impl<'a> Printer<'a> {
         let prismatic = (0..32).any(|row| stage.rows & (1 << row) != 0 && slides(row));
         let measure = format!("{}::{measure}", self.paths.runtime("Measure"));
         let rows = number::grouped(&format!("{:b}", stage.rows), 4);
-        format!("const {name}: {step} = {step}::new({index}, 0b{rows}, {prismatic}, {measure});")
+        let unsigned = if signed { "" } else { ".unsigned()" };
+        format!("const {name}: {step} = {step}::new({index}, 0b{rows}, {prismatic}, {measure}){unsigned};")
     }
 
     /// The chain of a function without a closed form: f64 whatever the scalar, for its polynomials need the digits.
