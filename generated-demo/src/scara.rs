@@ -5,10 +5,10 @@
 use ::core::f64::consts::TAU;
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted,
-    NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet, Solutions, Step, Target,
-    TargetKind, TrackError, Violations, Wanted, Winding, copy_into, jacobian_from_columns,
-    joint_array, track,
+    BranchBit, BranchWord, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics,
+    LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo,
+    SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted, Winding,
+    copy_into, jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the Adept Cobra 600: 3 revolute and 1 prismatic joint.
@@ -99,8 +99,8 @@ impl Cobra600 {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
-        ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[], constraints: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[BranchBit::new(2, BranchWord::Elbow, 3)] },
+        ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[], constraints: &[], branch: &[BranchBit::new(1, BranchWord::Elbow, 1)] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -187,6 +187,8 @@ impl Cobra600 {
     /// theta4:   a2 (2 c12m4 px + 2 s12m4 py) c4 - a2 (2 s12m4 px - 2 c12m4 py) s4 = px^2 - a1^2
     ///           + py^2 + a2^2
     ///           (squares of rows 1 and 2 of the position in frame 1)
+    ///           elbow + where a2 (2 c12m4 px + 2 s12m4 py) s4 > -a2 (2 s12m4 px - 2 c12m4 py)
+    ///           c4, else -
     /// theta2:   a1 c2 = x2
     ///           a1 s2 = y2
     ///           c12 = c12m4 c4 - s12m4 s4
@@ -275,6 +277,7 @@ impl Cobra600 {
     ///           n0 = px^2 + py^2 + pz^2 - a2^2 - a1^2 - d1^2
     ///           n0_2 = d3 (d3 - 2 d1) - n0
     ///           (squared distance of the position from the origin of frame 0)
+    ///           elbow + where 2 a1 a2 s2 > 0, else -
     /// theta1:   px c1 + py s1 = x1
     ///           py c1 - px s1 = y1
     ///           x1 = a2 c2 + a1

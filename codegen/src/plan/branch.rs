@@ -4,7 +4,7 @@ use super::Stage;
 use crate::model::{JointKind, Model, Target};
 use dh_core::{BranchBit, BranchWord};
 
-/// The steps with two roots, in order, with the word for each.
+/// The steps with two roots, with the word for each, in the order of the rows.
 ///
 /// Of the joints that a problem solves for, the first ones bring the tool (or the wrist) to its place, as many as it has
 /// coordinates: the first of these with two roots is the shoulder's, the last the elbow's. Those behind turn the wrist. An
@@ -61,9 +61,12 @@ pub(super) fn bits(model: &Model, target: Target, stages: &[Stage], from_tip: bo
     }
     let bits: Vec<BranchBit> = bits.into_iter().map(|(_, bit)| bit).collect();
     let shared = |bit: &BranchBit| bits.iter().filter(|other| other.word == bit.word).count() > 1;
-    bits.iter()
+    let mut bits: Vec<BranchBit> = bits
+        .iter()
         .map(|bit| if shared(bit) { BranchBit { word: BranchWord::Joint, ..*bit } } else { *bit })
-        .collect()
+        .collect();
+    bits.sort_by_key(|bit| bit.row);
+    bits
 }
 
 /// How many coordinates of the tool's place a target prescribes.
