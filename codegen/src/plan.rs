@@ -177,12 +177,6 @@ impl Function {
         self.branch.iter().any(|bit| usize::from(bit.step) == stage)
     }
 
-    /// Whether fewer joints are solved for than the target has rows: it is met here and there only.
-    pub fn is_overdetermined(&self, target: crate::model::Target) -> bool {
-        let rows = self.stages.iter().fold(0_u32, |rows, stage| rows | stage.rows);
-        (rows.count_ones() as usize) < target.rows()
-    }
-
     /// The sign of a stage's root in words: "elbow + where a2 s3 > 0, else -".
     pub fn sign(&self, stage: usize) -> Option<String> {
         let bit = self.branch.iter().find(|bit| usize::from(bit.step) == stage)?;

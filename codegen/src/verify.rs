@@ -30,7 +30,7 @@ pub use singular_values::singular_values;
 
 use crate::diagnostic::catalogue::VERIFICATION;
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::model::{Model, Target};
+use crate::model::Model;
 use crate::plan::eval::Program;
 use crate::plan::{Function, FunctionKind, Plan};
 use constraints::Constraints;
@@ -103,9 +103,7 @@ pub fn verify_or_else(
         plan.functions.push(function);
     }
     let functions = plan.functions.into_iter().zip(&found);
-    let functions = functions.filter(|(_, report)| passed(report));
-    let functions =
-        functions.map(|(function, report)| with_signs(model, function, report.as_ref())).collect();
+    let functions = functions.filter(|(_, report)| passed(report)).map(|(function, _)| function).collect();
     let report = Report { functions: found.into_iter().flatten().collect() };
     for function in &report.functions {
         let solved =
@@ -121,21 +119,6 @@ pub fn verify_or_else(
 /// gives that one.
 pub fn confirm(model: &Model, plan: &mut Plan, second: impl Fn(&Function) -> Option<Function>) {
     agreement::confirm(model, plan, second);
-}
-
-/// A function with the signs of its steps. Of a target that prescribes more than the joints can do, one of a step's roots may
-/// always be false: then its sign may change anywhere. It stays where every choice of signs has its solution.
-fn with_signs(model: &Model, mut function: Function, report: Option<&FunctionReport>) -> Function {
-    if let FunctionKind::Inverse(problem) = function.kind {
-        let problem = problem.and_then(|index| model.problems.get(index));
-        let target = problem.map_or(Target::Pose, |problem| problem.target);
-        let most = report.and_then(|report| report.inverse.as_ref()).map_or(0, InverseReport::most_solutions);
-        let all = 1_usize.checked_shl(function.branch.len() as u32).unwrap_or(usize::MAX);
-        if function.is_overdetermined(target) && most < all {
-            function.branch.clear();
-        }
-    }
-    function
 }
 
 /// What is said of a function that failed.

@@ -10,9 +10,15 @@ use dh_core::{BranchBit, BranchWord};
 /// coordinates: the first of these with two roots is the shoulder's, the last the elbow's. Those behind turn the wrist. An
 /// arm that was solved from its tip is the same the other way round. A word that two steps would share, or a slide would get, says
 /// nothing: then it is the joint's own.
+///
+/// Where the target prescribes more than the joints can do, there are none: of the equations, more than the joints, some are
+/// singular where the arm is not.
 pub(super) fn bits(model: &Model, target: Target, stages: &[Stage], from_tip: bool) -> Vec<BranchBit> {
     let solved = stages.iter().fold(0, |rows, stage| rows | stage.rows);
     let mut rows: Vec<usize> = (0..model.rows.len()).filter(|row| solved >> row & 1 == 1).collect();
+    if rows.len() < target.rows() {
+        return Vec::new();
+    }
     if from_tip {
         rows.reverse();
     }

@@ -65,11 +65,6 @@ impl FunctionReport {
 }
 
 impl InverseReport {
-    /// The most that a pose had.
-    pub(super) fn most_solutions(&self) -> usize {
-        self.solutions.len().saturating_sub(1)
-    }
-
     pub(super) fn count(&mut self, solutions: usize) {
         if self.solutions.len() <= solutions {
             self.solutions.resize(solutions + 1, 0);
