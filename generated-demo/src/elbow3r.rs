@@ -97,8 +97,8 @@ impl Elbow3R {
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
         ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[] },
-        ProblemInfo { name: "position", target: TargetKind::Position, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Elbow, 2), BranchBit::new(1, BranchWord::Shoulder, 1)] },
-        ProblemInfo { name: "position_elbow_up", target: TargetKind::Position, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Elbow, 2), BranchBit::new(1, BranchWord::Shoulder, 1)] },
+        ProblemInfo { name: "position", target: TargetKind::Position, free: &[], constraints: &[], branch: &[BranchBit::new(1, BranchWord::Shoulder, 1), BranchBit::new(0, BranchWord::Elbow, 2)] },
+        ProblemInfo { name: "position_elbow_up", target: TargetKind::Position, free: &[], constraints: &[], branch: &[BranchBit::new(1, BranchWord::Shoulder, 1), BranchBit::new(0, BranchWord::Elbow, 2)] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`

@@ -144,7 +144,7 @@ impl Panda {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[6], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Elbow, 3), BranchBit::new(1, BranchWord::Wrist, 5), BranchBit::new(3, BranchWord::Shoulder, 1)] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[6], constraints: &[], branch: &[BranchBit::new(3, BranchWord::Shoulder, 1), BranchBit::new(0, BranchWord::Elbow, 3), BranchBit::new(1, BranchWord::Wrist, 5)] },
         ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(1), coefficient: -1.0 }, ConstraintTerm { equation: 2, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(2, BranchWord::Elbow, 3)] },
     ];
 

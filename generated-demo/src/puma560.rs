@@ -112,8 +112,8 @@ impl Puma560 {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Elbow, 2), BranchBit::new(1, BranchWord::Shoulder, 0), BranchBit::new(3, BranchWord::Wrist, 4)] },
-        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: None, coefficient: PI }], branch: &[BranchBit::new(0, BranchWord::Elbow, 2), BranchBit::new(1, BranchWord::Shoulder, 1)] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[BranchBit::new(1, BranchWord::Shoulder, 0), BranchBit::new(0, BranchWord::Elbow, 2), BranchBit::new(3, BranchWord::Wrist, 4)] },
+        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: None, coefficient: PI }], branch: &[BranchBit::new(1, BranchWord::Shoulder, 1), BranchBit::new(0, BranchWord::Elbow, 2)] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`

@@ -99,7 +99,7 @@ impl Cobra600 {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[BranchBit::new(2, BranchWord::Elbow, 3)] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[] },
         ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[], constraints: &[], branch: &[BranchBit::new(1, BranchWord::Elbow, 1)] },
     ];
 
@@ -187,8 +187,6 @@ impl Cobra600 {
     /// theta4:   a2 (2 c12m4 px + 2 s12m4 py) c4 - a2 (2 s12m4 px - 2 c12m4 py) s4 = px^2 - a1^2
     ///           + py^2 + a2^2
     ///           (squares of rows 1 and 2 of the position in frame 1)
-    ///           elbow + where a2 (2 c12m4 px + 2 s12m4 py) s4 > -a2 (2 s12m4 px - 2 c12m4 py)
-    ///           c4, else -
     /// theta2:   a1 c2 = x2
     ///           a1 s2 = y2
     ///           c12 = c12m4 c4 - s12m4 s4
@@ -466,7 +464,7 @@ fn tool_point(q: &[f64; 4]) -> [f64; 3] {
 fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<4>, IkError> {
     const D3: Step = Step::new(0, 0b100, true, Measure::Length);
     const THETA12M4: Step = Step::new(1, 0b1011, false, Measure::Ratio);
-    const THETA4: Step = Step::new(2, 0b1000, false, Measure::Area);
+    const THETA4: Step = Step::new(2, 0b1000, false, Measure::Area).unsigned();
     const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
 
     let pose = target.validate_pose()?;

@@ -110,7 +110,7 @@ impl UArmSwiftPro {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(2, BranchWord::Elbow, 2)] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[] },
         ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(2, BranchWord::Elbow, 2)] },
     ];
 
@@ -192,7 +192,6 @@ impl UArmSwiftPro {
     ///           py0 = py - d5 r23
     ///           px0 = px - d5 r13
     ///           (row 3 of the position in frame 1)
-    ///           shoulder + where py0 s1 > -px0 c1, else -
     /// theta5:   c5 = xx1
     ///           s5 = xz1
     ///           xx1 = r11 c1 + r21 s1
@@ -203,7 +202,6 @@ impl UArmSwiftPro {
     ///           z0 = pz0 - d1
     ///           x1 = px0 c1 + py0 s1 - a4 - a1
     ///           (squares of rows 1 and 2 of the position in frame 1)
-    ///           elbow + where 2 a2 a3 s3 > 0, else -
     /// theta2:   (a3 c3 + a2) c2 - a3 s3 s2 = x1
     ///           a3 s3 c2 + (a3 c3 + a2) s2 = z0
     ///           (rows 1 and 2 of the position in frame 1)
@@ -511,9 +509,9 @@ fn tool_point(q: &[f64; 4]) -> [f64; 3] {
 /// Every solution of the full pose.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<4>, IkError> {
-    const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
+    const THETA1: Step = Step::new(0, 0b1, false, Measure::Length).unsigned();
     const THETA5: Step = Step::new(1, 0b1_0000, false, Measure::Ratio);
-    const THETA3: Step = Step::new(2, 0b100, false, Measure::Area);
+    const THETA3: Step = Step::new(2, 0b100, false, Measure::Area).unsigned();
     const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
 
     let pose = target.validate_pose()?;

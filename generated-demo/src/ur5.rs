@@ -109,7 +109,7 @@ impl UR5 {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(1, BranchWord::Wrist, 4), BranchBit::new(4, BranchWord::Elbow, 2)] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(4, BranchWord::Elbow, 2), BranchBit::new(1, BranchWord::Wrist, 4)] },
         ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: None, coefficient: FRAC_PI_2 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: None, coefficient: FRAC_PI_2 }], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(2, BranchWord::Elbow, 2)] },
     ];
 
