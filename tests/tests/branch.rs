@@ -335,7 +335,7 @@ fn of_tables_of_every_class() {
             let arm = engine::interpreter(&text).unwrap();
             let seen =
                 check(&*arm, &mut random, 12).unwrap_or_else(|error| panic!("{class}, {error}\n{text}"));
-            assert!(seen.steps > 100 && seen.targets > 3, "{class}: {seen:?}\n{text}");
+            assert!(seen.steps > 100 && (seen.targets > 3 || arm.dof() < 6), "{class}: {seen:?}\n{text}");
         }
     }
 }
