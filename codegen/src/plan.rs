@@ -172,9 +172,10 @@ pub struct Form {
 }
 
 impl Function {
-    /// Whether the sign of a stage's root is a part of a solution's branch.
-    pub fn has_sign(&self, stage: usize) -> bool {
-        self.branch.iter().any(|bit| usize::from(bit.step) == stage)
+    /// Whether a stage has roots to choose from whose sign is no part of a solution's branch.
+    pub fn is_unsigned(&self, stage: usize) -> bool {
+        let choice = self.stages.get(stage).is_some_and(|stage| stage.plus.is_some()) || self.is_searched();
+        choice && !self.branch.iter().any(|bit| usize::from(bit.step) == stage)
     }
 
     /// The sign of a stage's root in words: "elbow + where a2 s3 > 0, else -".

@@ -174,7 +174,7 @@ fn stages(model: &Model, function: &Function) -> Result<Vec<dh_core::Step>, Plan
         let prismatic = first.is_some_and(|row| row.kind == JointKind::Prismatic);
         let index = u8::try_from(index).map_err(|_| PlanError::Stage { index })?;
         let step = dh_core::Step::new(index, stage.rows, prismatic, measure);
-        Ok(if function.has_sign(usize::from(index)) { step } else { step.unsigned() })
+        Ok(if function.is_unsigned(usize::from(index)) { step.unsigned() } else { step })
     };
     function.stages.iter().enumerate().map(step).collect()
 }
