@@ -13,6 +13,7 @@
 extern crate std;
 
 mod arctangent;
+mod branch;
 mod error;
 mod float;
 mod frame;
@@ -40,6 +41,7 @@ mod target;
 mod travel;
 mod windings;
 
+pub use branch::{Branch, BranchBit, BranchWord, NamedBranch};
 pub use error::{IkError, LengthError};
 pub use float::Float;
 pub use frame::{Frame, rotation_error};

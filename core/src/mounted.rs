@@ -6,8 +6,8 @@ use core::fmt;
 
 use crate::frame::{add, cross};
 use crate::{
-    Float, Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rules, Seed, SolutionSet,
-    Target, TargetKind,
+    Branch, Float, Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rules, Seed,
+    SolutionSet, Target, TargetKind,
 };
 
 /// A robot that stands on `base` and carries `tool`: frames known only at run time, besides those of its table.
@@ -226,6 +226,11 @@ impl<K: Kinematics<S>, S: Float> Kinematics<S> for Mounted<K, S> {
 
     fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, S>> {
         self.arm.redundancy(problem)
+    }
+
+    /// That of the robot with its own tool.
+    fn branch_of(&self, problem: &str, q: &[S]) -> Result<Branch, IkError<S>> {
+        self.arm.branch_of(problem, q)
     }
 
     fn rules_point(&self, q: &[S]) -> Result<[S; 3], LengthError> {

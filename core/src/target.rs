@@ -31,6 +31,19 @@ pub enum TargetKind {
     XyYaw,
 }
 
+impl TargetKind {
+    /// How many rows it prescribes.
+    pub const fn rows(self) -> usize {
+        match self {
+            Self::Pose => 6,
+            Self::PositionDirection => 5,
+            Self::PositionYaw | Self::Ray => 4,
+            Self::Position | Self::Rotation | Self::XyYaw => 3,
+            Self::Direction | Self::Lookat | Self::Xy => 2,
+        }
+    }
+}
+
 impl fmt::Display for TargetKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -145,6 +158,25 @@ impl<S: Float> Target<S> {
             Self::Direction(direction) => Self::Direction(unit(direction)?),
             other => other,
         })
+    }
+
+    /// The target of a kind that a tool frame meets; of those that many do, its own tool point.
+    pub fn met_by(kind: TargetKind, tool: &Frame<S>) -> Self {
+        let (position, direction) = (tool.translation, tool.z_axis());
+        let ([x, y, _], [[r11, ..], [r21, ..], _]) = (position, tool.rotation);
+        let yaw = r21.atan2(r11);
+        match kind {
+            TargetKind::Pose => Self::Pose(*tool),
+            TargetKind::Position => Self::Position(position),
+            TargetKind::PositionDirection => Self::PositionDirection { position, direction },
+            TargetKind::PositionYaw => Self::PositionYaw { position, yaw },
+            TargetKind::Rotation => Self::Rotation(tool.rotation),
+            TargetKind::Direction => Self::Direction(direction),
+            TargetKind::Ray => Self::Ray { position, direction },
+            TargetKind::Lookat => Self::Lookat(position),
+            TargetKind::Xy => Self::Xy([x, y]),
+            TargetKind::XyYaw => Self::XyYaw { position: [x, y], yaw },
+        }
     }
 
     /// A tool frame that meets the target: the only one that meets a pose. `None` where the target has no point or

@@ -21,6 +21,8 @@ pub(crate) struct Answer {
     pub(crate) within_limits: bool,
     /// Row of the joint that the target leaves free.
     pub(crate) free: Option<usize>,
+    /// "elbow +, wrist -"; empty where there is no choice.
+    pub(crate) branch: String,
 }
 
 /// An inverse problem with what does not change from target to target.
@@ -218,10 +220,21 @@ impl<'a> Question<'a> {
             rotation_error: solution.rotation_error,
             within_limits: self.arm.check(solution.q).is_ok(),
             free: solution.free,
+            branch: self.branch(&solution),
         };
         let mut answers: Vec<Answer> = self.set.iter().map(answer).collect();
         self.sort(&mut answers);
         answers
+    }
+
+    /// The branch of a solution in words; one that was walked to is solved for once more.
+    fn branch(&self, solution: &dh_core::SolutionView<'_>) -> String {
+        let Some(info) = self.arm.problems().iter().find(|info| info.name == self.name) else {
+            return String::new();
+        };
+        let own = Some(solution.branch).filter(|branch| branch.is_known());
+        let branch = own.or_else(|| self.arm.branch_of(self.name, solution.q).ok());
+        branch.map_or_else(String::new, |branch| info.named(branch).to_string())
     }
 
     /// Of all solutions, the nearest to the seed first, where there is one.

@@ -155,10 +155,10 @@ impl<S: Float> Search<'_, S> {
                 for solution in
                     set.iter().filter(|one| self.off(one.q).is_some_and(|off| length(off) <= near))
                 {
-                    let (q, free) = (padded(solution.q), solution.free);
+                    let (q, free, branch) = (padded(solution.q), solution.free, solution.branch);
                     let (position_error, rotation_error) = (S::ZERO, S::ZERO);
                     found.push(
-                        Solution { q, position_error, rotation_error, free },
+                        Solution { q, position_error, rotation_error, free, branch },
                         self.mounted.rules().windings,
                     );
                 }

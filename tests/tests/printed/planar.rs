@@ -100,9 +100,9 @@ impl Planar2R {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
-        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[], constraints: &[] },
-        ProblemInfo { name: "elbow_up", target: TargetKind::Xy, free: &[], constraints: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "elbow_up", target: TargetKind::Xy, free: &[], constraints: &[], branch: &[] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`

@@ -34,7 +34,8 @@ impl<'a> Printer<'a> {
         let body = self.body(function, &locals);
         let mut lines = Text::indented(1);
         for (index, (stage, name)) in function.stages.iter().zip(&locals.stages).enumerate() {
-            lines.line(self.stage(index, stage, name));
+            let unsigned = if function.is_unsigned(index) { ".unsigned()" } else { "" };
+            lines.line(self.stage(index, stage, name, unsigned));
         }
         for step in &function.steps {
             if let Step::General { chain, .. } = step {
@@ -112,7 +113,7 @@ impl<'a> Printer<'a> {
     }
 
     /// The description of a stage, for errors.
-    fn stage(&self, index: usize, stage: &Stage, name: &str) -> String {
+    fn stage(&self, index: usize, stage: &Stage, name: &str, unsigned: &str) -> String {
         let step = self.paths.runtime("Step");
         let measure = match stage.measure {
             Measure::Ratio => "Ratio",
@@ -124,7 +125,7 @@ impl<'a> Printer<'a> {
         let prismatic = (0..32).any(|row| stage.rows & (1 << row) != 0 && slides(row));
         let measure = format!("{}::{measure}", self.paths.runtime("Measure"));
         let rows = number::grouped(&format!("{:b}", stage.rows), 4);
-        format!("const {name}: {step} = {step}::new({index}, 0b{rows}, {prismatic}, {measure});")
+        format!("const {name}: {step} = {step}::new({index}, 0b{rows}, {prismatic}, {measure}){unsigned};")
     }
 
     /// The chain of a function without a closed form: f64 whatever the scalar, for its polynomials need the digits.

@@ -59,12 +59,14 @@ impl<'p, S: Float> Interpreter<'p, S> {
                     target: robot::target_kind(problem.target),
                     free: &function.free,
                     constraints: &function.constraints,
+                    branch: &function.branch,
                 },
                 None => ProblemInfo {
                     name: FULL_POSE,
                     target: TargetKind::Pose,
                     free: &function.free,
                     constraints: &function.constraints,
+                    branch: &function.branch,
                 },
             });
             indices.push(index);
