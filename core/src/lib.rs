@@ -38,6 +38,7 @@ mod step;
 mod tables;
 mod target;
 mod travel;
+mod unknowns;
 mod windings;
 
 pub use error::{IkError, LengthError};
@@ -47,7 +48,7 @@ pub use general::{Chart, GeneralArm, Outcome, SixJoints};
 pub use generated::{copy_into, joint_array};
 pub use joint::{Joint, JointKind, Limits, NamedPose, Servo};
 pub use kinematics::{FULL_POSE, Kinematics, ProblemInfo};
-pub use mounted::{Mounted, MountingFrame};
+pub use mounted::Mounted;
 #[cfg(feature = "nalgebra")]
 pub use nalgebra_types::{Jacobian, Pose, jacobian_from_columns};
 pub use polish::{Polished, polish};
