@@ -1,8 +1,8 @@
 //! One robot as motion, drivers and the command line see it.
 
 use crate::{
-    ConstraintTerm, Float, Frame, IkError, Joint, LengthError, MAX_JOINTS, Reachable, Redundancy, Rule, Rules,
-    Seed, SolutionSet, Target, TargetKind, Violations,
+    ConstraintTerm, Float, Frame, IkError, Joint, LengthError, MAX_JOINTS, Reachable, Redundancy, Rule,
+    Rules, Seed, SolutionSet, Target, TargetKind, Violations,
 };
 
 /// The name of the inverse problem of the full pose.

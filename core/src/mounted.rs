@@ -6,8 +6,8 @@ mod search;
 
 use crate::frame::{add, cross, sub};
 use crate::{
-    Float, Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rule, Rules, Seed, SolutionSet,
-    Target, TargetKind,
+    Float, Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rule, Rules, Seed,
+    SolutionSet, Target, TargetKind,
 };
 
 /// A robot that stands on `base` and carries `tool`: frames known only at run time, besides those of its table.
@@ -19,10 +19,11 @@ use crate::{
 /// for poses and rotations; for all other targets without a tool (those that speak of the base's z axis: on a base that is
 /// turned about z alone); for directions with a tool along z; and where the problem holds the hand's rotation, or all but
 /// its yaw, so that it is known beforehand. All else is searched, in the joints that the problem's constraints leave open,
-/// by damped Gauss-Newton steps on the target of the mounted tool itself. They start from the seed, and from what the
-/// robot's own problem answers for frames that meet the target with what it leaves open drawn evenly; the search ends
-/// after [`Mounted::QUIET`] of these in a row without a new solution. Each solution meets its target; that none is missed is
-/// not proven.
+/// by damped Gauss-Newton steps on the target of the mounted tool itself. They start from the seed, from what the robot's own
+/// problem answers for frames that meet the target with what it leaves open drawn evenly, and from joint values that are
+/// spread evenly; the search ends after [`Mounted::QUIET`] such rounds in a row without a new solution. Each solution meets
+/// its target; that none is missed is not proven. Where there is none, [`IkError::Failed`] says by how much the best start
+/// misses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mounted<K, S = f64> {
     arm: K,
@@ -34,7 +35,7 @@ pub struct Mounted<K, S = f64> {
 const ABOUT_Z: f64 = 8.0;
 
 impl<K, S: Float> Mounted<K, S> {
-    /// A search for solutions ends when so many frames drawn one after the other have led to none that is new.
+    /// A search for solutions ends when so many rounds of starts one after the other have led to none that is new.
     pub const QUIET: u32 = search::QUIET;
 
     /// The robot as its table has it.
@@ -71,9 +72,10 @@ impl<K, S: Float> Mounted<K, S> {
         let target = match *target {
             Target::Direction(_) if straight => *target,
             Target::Ray { .. } | Target::Lookat(_) if along => *target,
-            Target::PositionDirection { position, direction } if along => {
-                Target::PositionDirection { position: sub(position, direction.map(|part| part * z)), direction }
-            }
+            Target::PositionDirection { position, direction } if along => Target::PositionDirection {
+                position: sub(position, direction.map(|part| part * z)),
+                direction,
+            },
             _ => return None,
         };
         self.on_base(&target, &Frame::IDENTITY)

@@ -79,7 +79,8 @@ impl<S: Float> Unknowns<S> {
                 continue;
             }
             let unit = if row.kind == JointKind::Prismatic { reach } else { S::ONE };
-            let place = (unknowns.directions.get_mut(unknowns.count), unknowns.joints.get_mut(unknowns.count));
+            let place =
+                (unknowns.directions.get_mut(unknowns.count), unknowns.joints.get_mut(unknowns.count));
             let (Some(direction), Some(slot)) = place else { continue };
             *slot = joint;
             unknowns.count += 1;
@@ -99,7 +100,8 @@ impl<S: Float> Unknowns<S> {
     /// The same with the unknown that is this joint at a value (rad or m); it stays an unknown that changes nothing.
     pub(crate) fn holding(&self, joint: usize, value: S) -> Self {
         let mut held = *self;
-        for (direction, _) in held.directions.iter_mut().zip(self.joints()).filter(|(_, own)| **own == joint) {
+        for (direction, _) in held.directions.iter_mut().zip(self.joints()).filter(|(_, own)| **own == joint)
+        {
             let unit = direction.get(joint).copied().unwrap_or(S::ONE);
             let x = value / unit;
             held.origin.iter_mut().zip(&*direction).for_each(|(sum, own)| *sum += x * *own);
@@ -232,7 +234,9 @@ mod tests {
             equation(&[(0, 2.0), (1, -4.0)], 0.0),
             equation(&[(3, 1.0)], -5.0),
         ];
-        given.map(|equation| eliminate(equation, 4, &mut solved, &mut pivots));
+        for equation in given {
+            eliminate(equation, 4, &mut solved, &mut pivots);
+        }
         let found = |joint: usize| {
             let place = pivots.iter().position(|pivot| *pivot == Some(joint)).unwrap();
             solved[place]

@@ -28,7 +28,8 @@ pub(super) fn without_tool<S: Float>(
     let first = hand(0)?;
     let (mut turns, mut tilts) = (false, false);
     for number in 1..SAMPLES {
-        let [[_, r12, r13], [r21, _, r23], [r31, r32, _]] = matrix_product(&hand(number)?, &transpose(&first));
+        let [[_, r12, r13], [r21, _, r23], [r31, r32, _]] =
+            matrix_product(&hand(number)?, &transpose(&first));
         let differs = |entries: &[S]| entries.iter().any(|x| x.abs() > S::from_f64(SAME) * S::EPSILON);
         turns |= differs(&[r12, r21]);
         tilts |= differs(&[r13, r23, r31, r32]);

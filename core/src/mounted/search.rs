@@ -12,12 +12,20 @@ use crate::{
     residual_tolerance,
 };
 
-/// See [`Mounted::QUIET`](crate::Mounted::QUIET). Measured on arms of two to five unknowns: the last of all solutions is
-/// found among the first ten frames nine times out of ten; of those that come later, most are one of two that nearly meet.
+/// See [`Mounted::QUIET`](crate::Mounted::QUIET). With it, of 2,600 targets of arms of two to five unknowns the joint values
+/// that they were made from were missed once.
 pub(super) const QUIET: u32 = 24;
 
 /// The most steps from one start. Ten are usual; where two solutions nearly meet, the way along the valley is long.
 const STEPS: usize = 100;
+
+/// The arm's problem is asked for so many frames at first, then for one out of so many: it may take much longer than a
+/// start.
+const FIRST: u32 = 6;
+const SELDOM: u32 = 4;
+
+/// Where it isn't asked, or has no answer, so many starts are made instead.
+const STARTS: u32 = 3;
 
 /// How far (rad, reaches) unknowns are moved to see whether solutions form a curve.
 const TRIAL: f64 = 0.05;
@@ -77,15 +85,21 @@ impl<'s, S: Float> Search<'s, S> {
         while quiet < QUIET {
             number += 1;
             quiet += 1;
+            let asks = number <= FIRST || number % SELDOM == 0;
             let frame = draw::frame(self.target, number, self.reach, middle);
-            if of_arm(&frame, &mut begun) {
+            if asks && of_arm(&frame, &mut begun) {
                 for solution in begun.iter() {
                     if self.follow(&self.unknowns.at(solution.q), wanted, &mut found) {
                         quiet = 0;
                     }
                 }
-            } else if self.follow(&self.unknowns.sample(self.arm, number), wanted, &mut found) {
-                quiet = 0;
+            } else {
+                for start in 0..STARTS {
+                    let start = self.unknowns.sample(self.arm, STARTS * number + start);
+                    if self.follow(&start, wanted, &mut found) {
+                        quiet = 0;
+                    }
+                }
             }
         }
         found.solutions.drop_misses(self.reach);
@@ -190,7 +204,8 @@ impl<'s, S: Float> Search<'s, S> {
             let mut there = *x;
             there.iter_mut().zip(direction).for_each(|(value, part)| *value += *length * part);
             let (end, tool) = self.onto(&self.unknowns, &there);
-            let gone = end.iter().zip(x).zip(direction).fold(S::ZERO, |sum, ((a, b), part)| sum + (*a - *b) * part);
+            let gone =
+                end.iter().zip(x).zip(direction).fold(S::ZERO, |sum, ((a, b), part)| sum + (*a - *b) * part);
             self.is_met(self.target.errors(&tool)) && gone.abs() > S::from_f64(TRIAL / 2.0)
         });
         goes_on.then_some(place)
