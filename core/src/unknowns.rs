@@ -220,7 +220,9 @@ mod tests {
 
     fn equation(terms: &[(usize, f64)], constant: f64) -> Equation<f64> {
         let mut coefficients = [0.0; MAX_JOINTS];
-        terms.iter().for_each(|(joint, factor)| coefficients[*joint] = *factor);
+        for (joint, factor) in terms {
+            coefficients[*joint] = *factor;
+        }
         (coefficients, constant)
     }
 
