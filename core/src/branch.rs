@@ -160,7 +160,7 @@ pub(crate) fn of<K: Kinematics<S> + ?Sized, S: Float>(
     q: &[S],
 ) -> Result<Branch, IkError<S>> {
     let info = arm.problems().iter().find(|info| info.name == problem).ok_or(IkError::UnknownProblem)?;
-    let target = Target::met_by(info.target, &arm.fk(q)?);
+    let target = Target::of_frame(info.target, &arm.fk(q)?);
     let mut given = [S::ZERO; MAX_JOINTS];
     for (value, joint) in given.iter_mut().zip(info.free) {
         *value = q.get(*joint).copied().unwrap_or(S::ZERO);

@@ -25,8 +25,8 @@ mod resultant;
 mod starts;
 mod waves;
 
-use crate::polish::polish;
 use crate::Frame;
+use crate::polish::polish;
 use circuit::Circuit;
 use known::Known;
 pub(crate) use known::same;

@@ -2,7 +2,7 @@
 
 use crate::{
     Branch, BranchBit, ConstraintTerm, Float, Frame, IkError, Joint, LengthError, MAX_JOINTS, Reachable,
-    Redundancy, Rules, Seed, SolutionSet, Target, TargetKind, Violations,
+    Redundancy, Rule, Rules, Seed, SolutionSet, Target, TargetKind, Violations,
 };
 
 /// The name of the inverse problem of the full pose.
@@ -108,6 +108,13 @@ pub trait Kinematics<S: Float = f64> {
         seed: Option<Seed<'_, S>>,
         out: &mut SolutionSet<S>,
     ) -> Result<(), IkError<S>>;
+
+    /// Which condition (`where` in the table) of a problem joint values break, every angle taken in (-pi, pi];
+    /// a [`Rule::Where`].
+    fn broken_condition(&self, problem: &str, q: &[S]) -> Option<Rule<S>> {
+        let _ = (problem, q);
+        None
+    }
 
     /// How the solutions of a problem hang on the one joint that it leaves to the caller; `None` where it leaves none,
     /// or several.
@@ -262,6 +269,9 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Kinematics<S> for &K {
         out: &mut SolutionSet<S>,
     ) -> Result<(), IkError<S>> {
         (**self).ik_seeded_into(problem, target, free, seed, out)
+    }
+    fn broken_condition(&self, problem: &str, q: &[S]) -> Option<Rule<S>> {
+        (**self).broken_condition(problem, q)
     }
     fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, S>> {
         (**self).redundancy(problem)

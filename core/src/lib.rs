@@ -39,6 +39,7 @@ mod step;
 mod tables;
 mod target;
 mod travel;
+mod unknowns;
 mod windings;
 
 pub use branch::{Branch, BranchBit, BranchWord, NamedBranch};
@@ -49,7 +50,7 @@ pub use general::{Chart, GeneralArm, Outcome, SixJoints};
 pub use generated::{copy_into, joint_array};
 pub use joint::{Joint, JointKind, Limits, NamedPose, Servo};
 pub use kinematics::{FULL_POSE, Kinematics, ProblemInfo};
-pub use mounted::{Mounted, MountingFrame};
+pub use mounted::Mounted;
 #[cfg(feature = "nalgebra")]
 pub use nalgebra_types::{Jacobian, Pose, jacobian_from_columns};
 pub use polish::{Polished, polish};

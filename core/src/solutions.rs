@@ -91,6 +91,11 @@ impl<const N: usize, S: Float> Solutions<N, S> {
         self.append(solution);
     }
 
+    /// Whether these joint values are there, whole turns aside.
+    pub(crate) fn contains(&self, q: &[S; N], windings: &[Winding<'_, S>]) -> bool {
+        self.iter().any(|known| same(&known.q, q, windings))
+    }
+
     pub(crate) fn append(&mut self, solution: Solution<N, S>) {
         if let Some(slot) = self.items.get_mut(self.len) {
             *slot = solution;

@@ -1,5 +1,7 @@
 //! What an inverse problem prescribes of the tool frame.
 
+mod missing;
+
 use core::fmt;
 use core::ops::Deref;
 
@@ -160,22 +162,22 @@ impl<S: Float> Target<S> {
         })
     }
 
-    /// The target of a kind that a tool frame meets; of those that many do, its own tool point.
-    pub fn met_by(kind: TargetKind, tool: &Frame<S>) -> Self {
+    /// The target of this kind that a tool frame meets; of a line its point is the tool point, and so is what it looks at.
+    pub fn of_frame(kind: TargetKind, tool: &Frame<S>) -> Self {
         let (position, direction) = (tool.translation, tool.z_axis());
-        let ([x, y, _], [[r11, ..], [r21, ..], _]) = (position, tool.rotation);
-        let yaw = r21.atan2(r11);
+        let ([px, py, _], [x, y, _]) = (position, tool.x_axis());
+        let yaw = || y.atan2(x);
         match kind {
             TargetKind::Pose => Self::Pose(*tool),
             TargetKind::Position => Self::Position(position),
             TargetKind::PositionDirection => Self::PositionDirection { position, direction },
-            TargetKind::PositionYaw => Self::PositionYaw { position, yaw },
+            TargetKind::PositionYaw => Self::PositionYaw { position, yaw: yaw() },
             TargetKind::Rotation => Self::Rotation(tool.rotation),
             TargetKind::Direction => Self::Direction(direction),
             TargetKind::Ray => Self::Ray { position, direction },
             TargetKind::Lookat => Self::Lookat(position),
-            TargetKind::Xy => Self::Xy([x, y]),
-            TargetKind::XyYaw => Self::XyYaw { position: [x, y], yaw },
+            TargetKind::Xy => Self::Xy([px, py]),
+            TargetKind::XyYaw => Self::XyYaw { position: [px, py], yaw: yaw() },
         }
     }
 

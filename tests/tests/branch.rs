@@ -100,7 +100,7 @@ impl<'a> Case<'a> {
                 vec![y * zz - z * zy, z * zx - x * zz, x * zy - y * zx]
             }
             (kind, _) => {
-                let target = Target::met_by(kind, &tool).numbers();
+                let target = Target::of_frame(kind, &tool).numbers();
                 let lengths = match kind {
                     TargetKind::Pose => vec![3, 7, 11],
                     TargetKind::Rotation | TargetKind::Direction => vec![],
@@ -164,7 +164,7 @@ impl<'a> Case<'a> {
     }
 
     fn target(&self, q: &[f64]) -> Target {
-        Target::met_by(self.info.target, &self.arm.fk(q).unwrap())
+        Target::of_frame(self.info.target, &self.arm.fk(q).unwrap())
     }
 
     fn solve(&self, q: &[f64]) -> Result<SolutionSet, IkError> {

@@ -13,7 +13,7 @@ pub(crate) fn computed<S: Float>(arm: &dyn Kinematics<S>, q: &[S], tool: Frame<S
         format!("{:?}", arm.check(q).map_err(|violations| violations.to_string())),
     ];
     for problem in arm.problems() {
-        let target = Target::met_by(problem.target, &tool);
+        let target = Target::of_frame(problem.target, &tool);
         let mut set = SolutionSet::new();
         for result in [
             arm.ik_into(problem.name, &target, &mut set),

@@ -192,12 +192,50 @@ impl<'a> Printer<'a> {
             text.line("search.accept(q, position_error, rotation_error);");
             return;
         }
+        self.conditions(text, filters);
+        text.line("search.accept_where(q, position_error, rotation_error, &conditions);");
+    }
+
+    /// `let conditions = ...`, of joint values `q`.
+    fn conditions(&self, text: &mut Text, filters: &[Filter]) {
         for filter in filters {
             text.paragraph("//", &format!("where {}", filter.form.text));
         }
         let filters = Expression::Array(filters.iter().map(|filter| self.condition(filter)).collect());
         text.laid_out(&statement(text.indent(), "let conditions =", &filters, ";"));
-        text.line("search.accept_where(q, position_error, rotation_error, &conditions);");
+    }
+
+    /// `broken_condition`, where a problem has conditions.
+    pub(super) fn broken_condition(&self, text: &mut Text) {
+        let problems = self.inverse_functions().filter_map(|(_, problem)| problem);
+        let mut problems = problems.filter(|problem| !problem.filters.is_empty()).peekable();
+        if problems.peek().is_none() {
+            return;
+        }
+        let (option, none) = (self.paths.prelude("Option"), self.paths.prelude("None"));
+        let parameters = ["&self".to_owned(), "problem: &str".to_owned(), format!("q: &[{}]", self.scalar())];
+        text.gap();
+        text.signature(
+            "fn broken_condition",
+            &parameters,
+            &format!("{option}<{}>", self.runtime_type("Rule")),
+        );
+        let joint_array = self.paths.runtime("joint_array");
+        text.line(format!(
+            "let q: &[{}; {}] = {joint_array}(q).ok()?;",
+            self.scalar(),
+            self.model.joints.len()
+        ));
+        text.open("match problem {");
+        for problem in problems {
+            text.open(format!("{:?} => {{", problem.name));
+            self.conditions(text, &problem.filters);
+            text.line(format!("{}::broken(&conditions)", self.paths.runtime("Condition")));
+            text.close("}");
+        }
+        text.line(format!("_ => {none},"));
+        text.close("}");
+        text.close("}");
     }
 
     /// The left-hand side of an inequality at `q`, every angle in (-pi, pi].
