@@ -45,10 +45,10 @@ impl<'a> Case<'a> {
         let dof = arm.dof();
         let mut constraints: Vec<Vec<f64>> = Vec::new();
         for term in info.constraints {
-            while constraints.len() <= term.equation as usize {
+            while constraints.len() <= term.equation {
                 constraints.push(vec![0.0; dof + 1]);
             }
-            constraints[term.equation as usize][term.joint.unwrap_or(dof)] += term.coefficient;
+            constraints[term.equation][term.joint.unwrap_or(dof)] += term.coefficient;
         }
         let mut reach: f64 = 0.0;
         let mut random = Random(1);

@@ -40,6 +40,15 @@ fn there_and_back(arm: &dyn Kinematics, oracle: &Oracle, q: &[f64]) -> Result<f6
     Ok(nearest)
 }
 
+/// Two of eight are a twentieth of a radian apart, where the polynomials have no more digits to tell them apart.
+#[test]
+fn solutions_that_nearly_meet_are_all_found() {
+    let arm = engine::shipped("manocha_canny").unwrap();
+    let oracle = Oracle::shipped("manocha_canny").unwrap();
+    let q = [-90.0, 90.0, 0.0, 180.0, -90.0, -90.0].map(f64::to_radians);
+    assert!(there_and_back(&arm, &oracle, &q).unwrap() < 1e-6);
+}
+
 #[test]
 fn every_pose_has_its_solutions() {
     let mut random = Random(20_240_607);

@@ -187,7 +187,7 @@ where
         let mut step = if alone { S::TWO * self.distance() } else { most };
         let first = sample(self, start, step * half);
         // A joint whose limits are one value has no others.
-        if !(range.width() > S::ZERO) {
+        if range.width() <= S::ZERO {
             return;
         }
         if alone && fine && !self.returned {
