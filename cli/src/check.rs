@@ -23,7 +23,7 @@ pub(crate) struct Arguments {
     #[arg(required = true, value_name = "TABLE")]
     tables: Vec<String>,
     /// How many random poses every function is verified at, with more of the special ones too.
-    #[arg(long, value_name = "NUMBER")]
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     poses: Option<u32>,
 }
 

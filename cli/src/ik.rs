@@ -43,7 +43,7 @@ pub(crate) struct Arguments {
     free: Option<List>,
     #[command(flatten)]
     target: target::Flags,
-    /// Answer in JSON: solutions (q, errors in m and rad, whether q keeps all limits and rules) and error.
+    /// Answer in JSON: solutions (q, errors in m and rad, whether q keeps all limits and rules, its branch) and error.
     #[arg(long, conflicts_with = "stdin")]
     pub(crate) json: bool,
     /// Print every step with its roots, and what becomes of each candidate.
@@ -158,6 +158,7 @@ fn json(units: Units<'_>, answers: &[Answer]) -> Json {
             ("position_error", answer.position_error.into()),
             ("rotation_error", answer.rotation_error.into()),
             ("within_limits", answer.within_limits.into()),
+            ("branch", answer.branch.as_str().into()),
         ];
         if let Some(row) = answer.free {
             fields.push(("free", (row + 1).into()));
@@ -189,11 +190,17 @@ fn list(question: &Question<'_>, answers: &[Answer], out: &mut dyn Write) -> io:
     for (kind, name) in &joints {
         write!(out, "{:>15}", format!("{} ({})", clean(name), units.name(*kind)))?;
     }
-    writeln!(out, "   errors (m, rad)")?;
+    let longest = answers.iter().map(|answer| answer.branch.len()).max().unwrap_or(0);
+    // Wide enough for its heading.
+    let width = if longest == 0 { 0 } else { longest.max("branch".len()) + 3 };
+    writeln!(out, "{:width$}   errors (m, rad)", if longest == 0 { "" } else { "   branch" })?;
     for (place, answer) in answers.iter().enumerate() {
         write!(out, "{:2}", place + 1)?;
         for ((kind, _), value) in joints.iter().zip(units.joints(&answer.q)) {
             write!(out, "{:>15}", units.show(*kind, value))?;
+        }
+        if longest > 0 {
+            write!(out, "   {:<1$}", answer.branch, width - 3)?;
         }
         write!(out, "   {}, {}", small(answer.position_error), small(answer.rotation_error))?;
         if !answer.within_limits {

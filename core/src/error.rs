@@ -3,7 +3,7 @@
 use core::error::Error;
 use core::fmt;
 
-use crate::{Float, MountingFrame, Rule, Step, TargetKind};
+use crate::{Float, Rule, Step, TargetKind};
 
 /// Why an inverse problem has no solution. The first step that fails on the branch that came furthest decides.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,13 +62,6 @@ pub enum IkError<S = f64> {
     },
     /// A slice of joint values has the wrong length.
     Length(LengthError),
-    /// A frame added at run time cannot be taken out of this kind of target exactly.
-    Mounting {
-        /// Which frame.
-        frame: MountingFrame,
-        /// The kind of the target.
-        target: TargetKind,
-    },
 }
 
 impl<S: Float> fmt::Display for IkError<S> {
@@ -106,12 +99,6 @@ impl<S: Float> fmt::Display for IkError<S> {
                 write!(f, "the problem takes a target of kind {expected}")
             }
             Self::Length(error) => error.fmt(f),
-            Self::Mounting { frame, target } => {
-                write!(
-                    f,
-                    "a target of kind {target} does not determine what to ask of the arm under this {frame} frame"
-                )
-            }
         }
     }
 }

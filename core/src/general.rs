@@ -25,8 +25,8 @@ mod resultant;
 mod starts;
 mod waves;
 
+use crate::Frame;
 use crate::polish::polish;
-use crate::{Float, Frame};
 use circuit::Circuit;
 use known::Known;
 pub(crate) use known::same;
@@ -130,6 +130,11 @@ impl Chart {
     #[must_use]
     pub const fn repeated(self, periods: u8) -> Self {
         Self { periods, ..self }
+    }
+
+    /// Degree of the polynomial over a whole turn of the joint.
+    pub const fn degree_of_turn(&self) -> u8 {
+        self.degree * if self.periods > 1 { self.periods } else { 1 }
     }
 
     /// The joint whose angle the polynomial is in.
@@ -289,8 +294,8 @@ impl SixJoints<'_> {
         }
         let exact = |q: &[f64; JOINTS]| jacobian::pose_and_jacobian(self, q);
         let solution = polish(*q, target, 1.0, STEPS, exact);
-        let error = Float::max(solution.position_error, solution.rotation_error);
-        (error <= FOUND).then_some(solution.q)
+        // Each by itself: the greater of a number and none is the number.
+        (solution.position_error <= FOUND && solution.rotation_error <= FOUND).then_some(solution.q)
     }
 
     fn in_metres(&self, mut q: [f64; JOINTS]) -> [f64; JOINTS] {

@@ -1,6 +1,6 @@
 //! The target nearest to one that cannot be reached.
 
-use crate::frame::{add, cross, dot, norm, sub};
+use crate::frame::{norm, sub};
 use crate::kinematics::padded;
 use crate::{Float, Frame, IkError, JointKind, Kinematics, LengthError, MAX_JOINTS, Target};
 
@@ -86,7 +86,7 @@ pub(crate) fn nearest<K: Kinematics<S> + ?Sized, S: Float>(
 }
 
 /// Roughly the size of the arm (m): as far as the origins of its frames are apart in one pose.
-fn size<K: Kinematics<S> + ?Sized, S: Float>(arm: &K) -> Result<S, LengthError> {
+pub(crate) fn size<K: Kinematics<S> + ?Sized, S: Float>(arm: &K) -> Result<S, LengthError> {
     let mut frames = [Frame::IDENTITY; 2 * MAX_JOINTS];
     let joints = arm.rules().middle::<MAX_JOINTS>();
     let q = joints.get(..arm.dof()).unwrap_or(&joints);
@@ -177,15 +177,11 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Descent<'_, K, S> {
             columns: [[S::ZERO; ROWS + EQUATIONS]; MAX_JOINTS],
             cost: S::ZERO,
         };
-        let own = missing(self.target, &tool, self.per_reach);
+        let own = self.target.missing(&tool, self.per_reach);
         local.rows.iter_mut().zip(own).for_each(|(row, own)| *row = own);
-        let h = S::SQRT_EPSILON;
         for (column, twist) in local.columns.iter_mut().zip(&twists).take(self.dof) {
-            let there = missing(self.target, &moved(&tool, twist, h), self.per_reach);
-            let back = missing(self.target, &moved(&tool, twist, -h), self.per_reach);
-            for ((entry, there), back) in column.iter_mut().zip(there).zip(back) {
-                *entry = (there - back) / (h + h);
-            }
+            let gained = self.target.gained(&tool, twist, self.per_reach);
+            column.iter_mut().zip(gained).for_each(|(entry, gained)| *entry = -gained);
         }
         // So heavy that what is left of them is some 1e-8 of what is missing.
         let weight = S::ONE / S::SQRT_EPSILON.sqrt();
@@ -267,82 +263,4 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Descent<'_, K, S> {
         }
         step
     }
-}
-
-/// A frame after a small motion.
-fn moved<S: Float>(frame: &Frame<S>, [vx, vy, vz, wx, wy, wz]: &[S; 6], by: S) -> Frame<S> {
-    let turned = |axis: [S; 3]| add(axis, cross([*wx, *wy, *wz], axis).map(|x| x * by));
-    let [[ax, bx, cx], [ay, by_, cy], [az, bz, cz]] = frame.rotation;
-    let [[ax, ay, az], [bx, by_, bz], [cx, cy, cz]] =
-        [turned([ax, ay, az]), turned([bx, by_, bz]), turned([cx, cy, cz])];
-    Frame {
-        rotation: [[ax, bx, cx], [ay, by_, cy], [az, bz, cz]],
-        translation: add(frame.translation, [*vx, *vy, *vz].map(|x| x * by)),
-    }
-}
-
-/// What a tool frame misses of a target, as a vector: lengths in reaches, angles in rad. As long as [`Target::errors`].
-fn missing<S: Float>(target: &Target<S>, tool: &Frame<S>, per_reach: S) -> [S; ROWS] {
-    let point = tool.translation;
-    let length = |v: [S; 3]| v.map(|x| x * per_reach);
-    let ([px, py, pz], [ax, ay, az]) = match target {
-        Target::Pose(frame) => (length(sub(frame.translation, point)), turn(&frame.rotation, &tool.rotation)),
-        Target::Position(position) => (length(sub(*position, point)), [S::ZERO; 3]),
-        Target::PositionDirection { position, direction } => {
-            (length(sub(*position, point)), between(tool.z_axis(), *direction))
-        }
-        Target::PositionYaw { position, yaw } => {
-            (length(sub(*position, point)), [yaw_off(*yaw, tool), S::ZERO, S::ZERO])
-        }
-        Target::Rotation(rotation) => ([S::ZERO; 3], turn(rotation, &tool.rotation)),
-        Target::Direction(direction) => ([S::ZERO; 3], between(tool.z_axis(), *direction)),
-        Target::Ray { position, direction } => {
-            (length(cross(*direction, sub(point, *position))), between(tool.z_axis(), *direction))
-        }
-        Target::Lookat(position) => (length(cross(tool.z_axis(), sub(*position, point))), [S::ZERO; 3]),
-        Target::Xy([x, y]) => {
-            let [px, py, _] = point;
-            (length([*x - px, *y - py, S::ZERO]), [S::ZERO; 3])
-        }
-        Target::XyYaw { position: [x, y], yaw } => {
-            let [px, py, _] = point;
-            (length([*x - px, *y - py, S::ZERO]), [yaw_off(*yaw, tool), S::ZERO, S::ZERO])
-        }
-    };
-    [px, py, pz, ax, ay, az]
-}
-
-/// The turn from one direction to another: its axis, as long as its angle (rad).
-fn between<S: Float>(from: [S; 3], to: [S; 3]) -> [S; 3] {
-    let across = cross(from, to);
-    let sine = norm(across);
-    if sine <= S::ZERO {
-        return [S::ZERO; 3];
-    }
-    let angle = sine.atan2(dot(from, to));
-    across.map(|x| x / sine * angle)
-}
-
-/// The turn from one orientation to another: its axis, as long as its angle (rad).
-fn turn<S: Float>(to: &[[S; 3]; 3], from: &[[S; 3]; 3]) -> [S; 3] {
-    let columns = |r: &[[S; 3]; 3]| {
-        let [[ax, bx, cx], [ay, by, cy], [az, bz, cz]] = *r;
-        [[ax, ay, az], [bx, by, bz], [cx, cy, cz]]
-    };
-    let (mut axis, mut trace) = ([S::ZERO; 3], S::ZERO);
-    for (own, wanted) in columns(from).into_iter().zip(columns(to)) {
-        axis = add(axis, cross(own, wanted));
-        trace += dot(own, wanted);
-    }
-    let sine = norm(axis) / S::TWO;
-    if sine <= S::ZERO {
-        return [S::ZERO; 3];
-    }
-    let angle = sine.atan2((trace - S::ONE) / S::TWO);
-    axis.map(|x| x / (S::TWO * sine) * angle)
-}
-
-fn yaw_off<S: Float>(yaw: S, tool: &Frame<S>) -> S {
-    let [x, y, _] = tool.x_axis();
-    (yaw - y.atan2(x)).wrap_angle()
 }

@@ -302,7 +302,13 @@ fn intervals_are_where_limits_are_kept() {
                 let mut solutions = None::<dh_core::Solutions<7>>;
                 for found in arm.at(&target, value)?.iter() {
                     let q = <[f64; 7]>::try_from(found.q).unwrap();
-                    let one = dh_core::Solution { q, position_error: 0.0, rotation_error: 0.0, free: None };
+                    let one = dh_core::Solution {
+                        q,
+                        position_error: 0.0,
+                        rotation_error: 0.0,
+                        free: None,
+                        branch: dh_core::Branch::UNKNOWN,
+                    };
                     match &mut solutions {
                         Some(solutions) => solutions.push(one, arm.engine.rules().windings),
                         None => solutions = Some(dh_core::Solutions::one(one)),

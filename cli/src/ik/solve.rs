@@ -21,6 +21,8 @@ pub(crate) struct Answer {
     pub(crate) within_limits: bool,
     /// Row of the joint that the target leaves free.
     pub(crate) free: Option<usize>,
+    /// "elbow +, wrist -"; empty where there is no choice.
+    pub(crate) branch: String,
 }
 
 /// An inverse problem with what does not change from target to target.
@@ -179,12 +181,12 @@ impl<'a> Question<'a> {
     pub(crate) fn solve(&mut self, target: &Target) -> Result<Vec<Answer>, IkError> {
         match (&self.free, self.all) {
             (Some(free), true) => {
-                let seed = seed(&self.near, self.seeded || !self.all);
+                let seed = seed(&self.near, self.seeded);
                 self.arm.ik_seeded_into(self.name, target, free, seed, &mut self.set)?;
                 Ok(self.answers())
             }
             (Some(free), false) if !free.is_empty() => {
-                let seed = seed(&self.near, self.seeded || !self.all);
+                let seed = seed(&self.near, true);
                 self.arm.ik_seeded_into(self.name, target, free, seed, &mut self.set)?;
                 self.keep_allowed()?;
                 Ok(self.answers())
@@ -223,8 +225,9 @@ impl<'a> Question<'a> {
         let mut trace = trace::Trace::new(self.robot, self.function);
         let seed = seed(&self.near, self.seeded || !self.all);
         let outcome = arm.trace_ik(self.name, target, &free, seed, &mut self.set, |event| trace.event(event));
-        let outcome = outcome.and_then(|()| if self.all { Ok(()) } else { self.keep_allowed() });
-        (trace.into_text(), outcome.map(|()| self.answers()))
+        // The steps are those of one call; what is allowed may take several.
+        let answers = if self.all { outcome.map(|()| self.answers()) } else { self.solve(target) };
+        (trace.into_text(), answers)
     }
 
     fn answers(&self) -> Vec<Answer> {
@@ -234,10 +237,21 @@ impl<'a> Question<'a> {
             rotation_error: solution.rotation_error,
             within_limits: self.arm.check(solution.q).is_ok(),
             free: solution.free,
+            branch: self.branch(&solution),
         };
         let mut answers: Vec<Answer> = self.set.iter().map(answer).collect();
         self.sort(&mut answers);
         answers
+    }
+
+    /// The branch of a solution in words; one that was walked to is solved for once more.
+    fn branch(&self, solution: &dh_core::SolutionView<'_>) -> String {
+        let Some(info) = self.arm.problems().iter().find(|info| info.name == self.name) else {
+            return String::new();
+        };
+        let own = Some(solution.branch).filter(|branch| branch.is_known());
+        let branch = own.or_else(|| self.arm.branch_of(self.name, solution.q).ok());
+        branch.map_or_else(String::new, |branch| info.named(branch).to_string())
     }
 
     /// Of all solutions, the nearest to the seed first, where there is one.

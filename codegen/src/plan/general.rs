@@ -8,7 +8,7 @@ use super::{
 use crate::model::{Model, Problem};
 use crate::symbolic::inverse_kinematics::general::{self, General, GeneralJoint};
 use crate::symbolic::inverse_kinematics::{Linear, Refusal};
-use dh_core::{Chart, Frame};
+use dh_core::{BranchBit, BranchWord, Chart, Frame};
 
 /// The chain of a [`Step::General`], as `dh_core::GeneralArm` takes it.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,6 +87,11 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
     let body = vec![Step::Accept { q: q.collect(), tool: Vec::new(), polish }];
     let unknowns = unknowns(&general);
     let chain = GeneralChain { charts, ..chain };
+    let found = stage.rows.count_ones() as usize;
+    // Joints that only make the chain whole have their part in its determinant.
+    let whole = found == problem.target.rows();
+    let row = stage.rows.trailing_zeros() as usize;
+    let branch = whole.then(|| BranchBit::new(0, BranchWord::Determinant, row)).into_iter().collect();
     let function = Function {
         kind: FunctionKind::Inverse(index),
         values,
@@ -98,6 +103,7 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         stages: vec![stage],
         unknowns,
         constraints: super::constraints::of(model, index),
+        branch,
         agreement: None,
     };
     Ok(Rated { function, badness })
@@ -111,7 +117,7 @@ pub(super) fn rotated(function: &Function) -> Option<Function> {
         return None;
     }
     chain.charts.rotate_left(1);
-    let (degree, unknown) = chain.charts.first().map(|chart| (chart.degree, chart.unknown()))?;
+    let (degree, unknown) = chain.charts.first().map(|chart| (chart.degree_of_turn(), chart.unknown()))?;
     let [Step::General { roots, .. }] = function.steps.as_slice() else { return None };
     let unknown = roots.get(unknown).and_then(|root| function.values.get(root.0))?;
     let equation = equation(degree, unknown);
@@ -194,13 +200,14 @@ fn stage(general: &General, chart: Chart) -> Stage {
     Stage {
         rows: rows.fold(0, |mask, row| mask | 1_u32.checked_shl(row as u32).unwrap_or(0)),
         measure: Measure::Ratio,
-        equation: equation(chart.degree * chart.periods, &unknown),
+        equation: equation(chart.degree_of_turn(), &unknown),
         definitions: Vec::new(),
         origin: format!(
             "the line of axis {} seen from both sides; {first} and {second} eliminated from its 14 power products, {third} and {fourth} by a resultant; they and {} follow from each root",
             named(usize::from(chart.dropped)),
             named(usize::from(chart.dropped)),
         ),
+        plus: None,
         unknown,
     }
 }

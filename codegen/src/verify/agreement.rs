@@ -126,7 +126,7 @@ impl<'v> Comparison<'v> {
         let poses = poses::poses(self.model, &self.constraints, self.level, self.reach, wanted);
         let windings = self.own.windings();
         let most = match self.level {
-            Level::Poses(random) => least.max(random as usize / PART),
+            Level::Poses(random) => least.max(random as usize / PART).min(random as usize),
             _ => least,
         };
         let mut agreement = Agreement { method, poses: 0, agreed: 0 };

@@ -34,7 +34,8 @@ impl<'a> Printer<'a> {
         let body = self.body(function, &locals);
         let mut lines = Text::indented(1);
         for (index, (stage, name)) in function.stages.iter().zip(&locals.stages).enumerate() {
-            lines.line(self.stage(index, stage, name));
+            let unsigned = if function.is_unsigned(index) { ".unsigned()" } else { "" };
+            lines.line(self.stage(index, stage, name, unsigned));
         }
         for step in &function.steps {
             if let Step::General { chain, .. } = step {
@@ -112,7 +113,7 @@ impl<'a> Printer<'a> {
     }
 
     /// The description of a stage, for errors.
-    fn stage(&self, index: usize, stage: &Stage, name: &str) -> String {
+    fn stage(&self, index: usize, stage: &Stage, name: &str, unsigned: &str) -> String {
         let step = self.paths.runtime("Step");
         let measure = match stage.measure {
             Measure::Ratio => "Ratio",
@@ -124,7 +125,7 @@ impl<'a> Printer<'a> {
         let prismatic = (0..32).any(|row| stage.rows & (1 << row) != 0 && slides(row));
         let measure = format!("{}::{measure}", self.paths.runtime("Measure"));
         let rows = number::grouped(&format!("{:b}", stage.rows), 4);
-        format!("const {name}: {step} = {step}::new({index}, 0b{rows}, {prismatic}, {measure});")
+        format!("const {name}: {step} = {step}::new({index}, 0b{rows}, {prismatic}, {measure}){unsigned};")
     }
 
     /// The chain of a function without a closed form: f64 whatever the scalar, for its polynomials need the digits.
@@ -191,12 +192,50 @@ impl<'a> Printer<'a> {
             text.line("search.accept(q, position_error, rotation_error);");
             return;
         }
+        self.conditions(text, filters);
+        text.line("search.accept_where(q, position_error, rotation_error, &conditions);");
+    }
+
+    /// `let conditions = ...`, of joint values `q`.
+    fn conditions(&self, text: &mut Text, filters: &[Filter]) {
         for filter in filters {
             text.paragraph("//", &format!("where {}", filter.form.text));
         }
         let filters = Expression::Array(filters.iter().map(|filter| self.condition(filter)).collect());
         text.laid_out(&statement(text.indent(), "let conditions =", &filters, ";"));
-        text.line("search.accept_where(q, position_error, rotation_error, &conditions);");
+    }
+
+    /// `broken_condition`, where a problem has conditions.
+    pub(super) fn broken_condition(&self, text: &mut Text) {
+        let problems = self.inverse_functions().filter_map(|(_, problem)| problem);
+        let mut problems = problems.filter(|problem| !problem.filters.is_empty()).peekable();
+        if problems.peek().is_none() {
+            return;
+        }
+        let (option, none) = (self.paths.prelude("Option"), self.paths.prelude("None"));
+        let parameters = ["&self".to_owned(), "problem: &str".to_owned(), format!("q: &[{}]", self.scalar())];
+        text.gap();
+        text.signature(
+            "fn broken_condition",
+            &parameters,
+            &format!("{option}<{}>", self.runtime_type("Rule")),
+        );
+        let joint_array = self.paths.runtime("joint_array");
+        text.line(format!(
+            "let q: &[{}; {}] = {joint_array}(q).ok()?;",
+            self.scalar(),
+            self.model.joints.len()
+        ));
+        text.open("match problem {");
+        for problem in problems {
+            text.open(format!("{:?} => {{", problem.name));
+            self.conditions(text, &problem.filters);
+            text.line(format!("{}::broken(&conditions)", self.paths.runtime("Condition")));
+            text.close("}");
+        }
+        text.line(format!("_ => {none},"));
+        text.close("}");
+        text.close("}");
     }
 
     /// The left-hand side of an inequality at `q`, every angle in (-pi, pi].
