@@ -6,8 +6,8 @@ use ::core::f64::consts::{FRAC_PI_2, PI, TAU};
 use ::dh_runtime::nalgebra::Point2;
 use ::dh_runtime::{
     BranchBit, BranchWord, Condition, FULL_POSE, Float, Frame, IkError, Jacobian, Joint,
-    Kinematics, LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed,
-    Servo, SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted,
+    Kinematics, LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rule, Rules, Search,
+    Seed, Servo, SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted,
     Winding, copy_into, jacobian_from_columns, joint_array, track,
 };
 
@@ -637,5 +637,17 @@ impl Kinematics for CraneX7Planar {
         };
         out.fill(Self::DOF, &solutions);
         Ok(())
+    }
+
+    fn broken_condition(&self, problem: &str, q: &[f64]) -> Option<Rule> {
+        let q: &[f64; 2] = joint_array(q).ok()?;
+        match problem {
+            "xy_elbow_up" => {
+                // where theta2 <= 0
+                let conditions = [Condition::at_most_zero(Float::wrap_angle(q[1]))];
+                Condition::broken(&conditions)
+            }
+            _ => None,
+        }
     }
 }

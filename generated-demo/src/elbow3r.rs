@@ -6,9 +6,9 @@ use ::core::f64::consts::{FRAC_PI_2, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
     Axis, Bound, BranchBit, BranchWord, Condition, FULL_POSE, Float, Frame, IkError, Jacobian,
-    Joint, KeepOut, Kinematics, LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules,
-    Search, Seed, Servo, SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations,
-    Wanted, Winding, copy_into, jacobian_from_columns, joint_array, track,
+    Joint, KeepOut, Kinematics, LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rule,
+    Rules, Search, Seed, Servo, SolutionSet, Solutions, Step, Target, TargetKind, TrackError,
+    Violations, Wanted, Winding, copy_into, jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the Elbow 3R: 3 revolute joints.
@@ -744,5 +744,17 @@ impl Kinematics for Elbow3R {
         };
         out.fill(Self::DOF, &solutions);
         Ok(())
+    }
+
+    fn broken_condition(&self, problem: &str, q: &[f64]) -> Option<Rule> {
+        let q: &[f64; 3] = joint_array(q).ok()?;
+        match problem {
+            "position_elbow_up" => {
+                // where theta3 <= 0
+                let conditions = [Condition::at_most_zero(Float::wrap_angle(q[2]))];
+                Condition::broken(&conditions)
+            }
+            _ => None,
+        }
     }
 }

@@ -7,8 +7,9 @@ use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
     Axis, Bound, BranchBit, BranchWord, Condition, ConstraintTerm, FULL_POSE, Float, Frame,
     IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted, NamedPose, Pose,
-    ProblemInfo, Rules, Search, Seed, Servo, SolutionSet, Solutions, Step, Target, TargetKind,
-    TrackError, Violations, Wanted, Winding, copy_into, jacobian_from_columns, joint_array, track,
+    ProblemInfo, Rule, Rules, Search, Seed, Servo, SolutionSet, Solutions, Step, Target,
+    TargetKind, TrackError, Violations, Wanted, Winding, copy_into, jacobian_from_columns,
+    joint_array, track,
 };
 
 /// Kinematics of the Elephant Robotics myCobot 280 Pi: 6 revolute joints.
@@ -1021,5 +1022,17 @@ impl Kinematics for MyCobot280Pi {
         };
         out.fill(Self::DOF, &solutions);
         Ok(())
+    }
+
+    fn broken_condition(&self, problem: &str, q: &[f64]) -> Option<Rule> {
+        let q: &[f64; 6] = joint_array(q).ok()?;
+        match problem {
+            "tool_down_elbow_up" => {
+                // where theta3 <= 0
+                let conditions = [Condition::at_most_zero(Float::wrap_angle(q[2]))];
+                Condition::broken(&conditions)
+            }
+            _ => None,
+        }
     }
 }
