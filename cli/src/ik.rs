@@ -49,7 +49,7 @@ pub(crate) struct Arguments {
     /// Print every step with its roots, and what becomes of each candidate.
     #[arg(long, conflicts_with_all = ["json", "stdin"])]
     trace: bool,
-    /// Read a JSON object with the target's keys a line, and answer with one JSON object a line.
+    /// Read a JSON object a line, with the target's keys and, where wanted, near and free; answer with one a line.
     #[arg(long)]
     stdin: bool,
 }
@@ -136,15 +136,17 @@ fn answer_line(question: &mut Question<'_>, line: &[u8], given: Option<&[f64]>) 
     };
     let mut fields = target::fields(line, question.kind()).map_err(malformed)?;
     let free = target::take_free(&mut fields).map_err(malformed)?;
+    let near = target::take_near(&mut fields).map_err(malformed)?;
+    question.seek(near.as_deref()).map_err(|refusal| stream::malformed(refusal.message))?;
     question.give(free.as_deref().or(given)).map_err(|refusal| stream::malformed(refusal.message))?;
     let target = match target::read(&fields, question.kind(), units) {
         Ok(target) => target,
         Err(target::Trouble::Form(message)) => return Err(stream::malformed(message)),
-        Err(target::Trouble::Value(error)) => return Ok(nothing(&question.refusal(&error))),
+        Err(target::Trouble::Value(error)) => return Ok(question.refusal(&error).answer()),
     };
     Ok(match question.solve(&target) {
         Ok(answers) => json(units, &answers),
-        Err(error) => nothing(&question.refusal_near(&error, &target)),
+        Err(error) => question.refusal_near(&error, &target).answer(),
     })
 }
 

@@ -47,6 +47,7 @@ fn wrong_input() {
             "no inverse problem `up`\nhelp: --problem takes pose, tool_down",
         ),
         ("ik mycobot --problem tool_down --position 1,inf,3", "infinite or NaN"),
+        ("ik mycobot --problem tool_down --position 1e308,2,3", "so far away that the squares"),
         ("ik mycobot --problem tool_down --position 1,2,3 --near 0", "1 joint values where 6 are needed"),
         ("explain nonsense", "lists all"),
         ("explain round-angle", "there is `rounded-angle`"),

@@ -39,7 +39,7 @@ pub enum IkError<S = f64> {
         /// The rule that the one nearest to being allowed breaks.
         rule: Rule<S>,
     },
-    /// A number of the target is infinite or NaN.
+    /// A number of the target is infinite or NaN, or so great that what is computed of it is.
     NotFinite,
     /// The target's rotation is not one, or its direction has no length.
     NotRigid {
@@ -84,7 +84,9 @@ impl<S: Float> fmt::Display for IkError<S> {
                 )
             }
             Self::Forbidden { rule } => write!(f, "forbidden: {rule}"),
-            Self::NotFinite => f.write_str("the target has a number that is infinite or NaN"),
+            Self::NotFinite => {
+                f.write_str("the target has a number that is infinite or NaN, or so great that its square is")
+            }
             Self::NotRigid { error } => {
                 write!(f, "the target's rotation or direction is not one: off by {error:.3e}")
             }

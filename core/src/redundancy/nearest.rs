@@ -187,7 +187,8 @@ where
         let mut step = if alone { S::TWO * self.distance() } else { most };
         let first = sample(self, start, step * half);
         // A joint whose limits are one value has no others.
-        if range.width() <= S::ZERO {
+        let has_others = range.width() > S::ZERO;
+        if !has_others {
             return;
         }
         if alone && fine && !self.returned {
