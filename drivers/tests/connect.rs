@@ -1,7 +1,5 @@
 //! From a table to its device.
 
-#![expect(clippy::unwrap_used, reason = "tests")]
-
 use dh_drivers::clock::VirtualClock;
 use dh_drivers::connect;
 use dh_drivers::driver::{DeviceKind, DeviceSettings, JointMap};
@@ -22,7 +20,7 @@ fn ids_are_those_of_the_protocol() {
         match outcome {
             Ok(_) => assert!(!refused, "{id}"),
             Err(error) => {
-                assert!(refused && error.to_string().contains("write id = 0 to 252"), "{id}: {error}")
+                assert!(refused && error.to_string().contains("write id = 0 to 252"), "{id}: {error}");
             }
         }
     }
