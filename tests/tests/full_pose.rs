@@ -46,7 +46,7 @@ fn solutions_that_nearly_meet_are_all_found() {
     let arm = engine::shipped("manocha_canny").unwrap();
     let oracle = Oracle::shipped("manocha_canny").unwrap();
     let q = [-90.0, 90.0, 0.0, 180.0, -90.0, -90.0].map(f64::to_radians);
-    assert!(there_and_back(&arm, &oracle, &q).unwrap() < 1e-6);
+    assert!(there_and_back(&*arm, &oracle, &q).unwrap() < 1e-6);
 }
 
 #[test]
