@@ -191,5 +191,5 @@ fn every_kind_of_move_is_made_under_a_run_time_tool_and_base() {
     let places = [at(0.1, -0.3, -1.4), at(0.13, -0.32, -1.35), at(0.15, -0.35, -1.3), at(0.17, -0.35, -1.32)];
     let arm = Mounted::new(&CraneX7).with_tool(tool);
     let (_, driver) = servos(&CraneX7, &places[0], 3_000_000, good());
-    driven(&arm, driver, "planar", &places.each_ref().map(|q| q.as_slice()));
+    driven(&arm, driver, "planar", &places.each_ref().map(<[f64; 7]>::as_slice));
 }
