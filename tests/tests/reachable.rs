@@ -36,6 +36,52 @@ fn limits_are_kept() {
     assert!(arm.check(found.q()).is_ok());
 }
 
+#[test]
+fn limits_on_sums_are_kept_too() {
+    let text = "[robot]\nname = \"sum\"\nconvention = \"standard\"\n[[joint]]\na = 0.3\nlimits = [-1.5, 1.5]\n\
+        [[joint]]\na = 0.3\nlimits = [-2.5, 2.5]\n[[limit]]\nof = { q1 = 1, q2 = 1 }\nrange = [0, 0.3]\n\
+        [[ik]]\nname = \"xy\"\ntarget = \"xy\"\n";
+    let arm = engine::interpreter(text).unwrap();
+    for target in [[0.0, 1.2], [0.5, -0.4], [-0.7, 0.1]] {
+        let found = arm.nearest_reachable("xy", &Target::Xy(target), None).unwrap();
+        assert!(arm.check(found.q()).is_ok(), "{:?}", found.q());
+        // No joint values that are allowed come nearer.
+        let steps = |limit: f64| (-60..=60).map(move |k| limit * f64::from(k) / 60.0);
+        let all = steps(1.5).flat_map(|q1| steps(2.5).map(move |q2| [q1, q2]));
+        for q in all.filter(|q| (0.0..=0.3).contains(&(q[0] + q[1]))) {
+            let [x, y, _] = arm.fk(&q).unwrap().translation;
+            let off = (x - target[0]).hypot(y - target[1]);
+            assert!(off >= found.position_error - 1e-6, "{q:?} is nearer");
+        }
+    }
+}
+
+#[test]
+fn half_a_turn_off_is_as_far_as_can_be() {
+    // A wrist that tilts by 60 degrees at most.
+    let text = "[robot]\nname = \"tilt\"\nconvention = \"standard\"\n[[joint]]\nalpha = \"-pi/2\"\nlimits = [-3, 3]\n\
+        [[joint]]\nalpha = \"pi/2\"\nlimits = [\"-pi/3\", \"pi/3\"]\n[[ik]]\nname = \"dir\"\ntarget = \"direction\"\n";
+    let arm = engine::interpreter(text).unwrap();
+    for direction in [[0.0, 0.0, -1.0], [0.0, 0.001, -1.0]] {
+        let found = arm.nearest_reachable("dir", &Target::Direction(direction), None).unwrap();
+        assert!(
+            (found.rotation_error - 2.0 * PI / 3.0).abs() < 2e-3,
+            "{direction:?}: {}",
+            found.rotation_error
+        );
+    }
+}
+
+#[test]
+fn joints_without_limits_make_no_needless_turns() {
+    let arm = engine::shipped("jaco2").unwrap();
+    let target = Target::Pose(Frame::from_translation([5.0, 0.0, 0.0]));
+    let found = arm.nearest_reachable(FULL_POSE, &target, None).unwrap();
+    for (value, joint) in found.q().iter().zip(arm.joints()) {
+        assert!(joint.limits.is_some() || value.abs() <= PI + 1e-9, "{} {:?}", joint.name, found.q());
+    }
+}
+
 /// The same numbers on every run.
 struct Random(u64);
 

@@ -77,10 +77,27 @@ fn between<S: Float>(from: [S; 3], to: [S; 3]) -> [S; 3] {
     let across = cross(from, to);
     let sine = norm(across);
     if sine <= S::ZERO {
-        return [S::ZERO; 3];
+        // Half a turn is about any axis across.
+        let half = if dot(from, to) < S::ZERO { S::PI } else { S::ZERO };
+        return perpendicular(from).map(|x| x * half);
     }
     let angle = sine.atan2(dot(from, to));
     across.map(|x| x / sine * angle)
+}
+
+/// A direction across another.
+fn perpendicular<S: Float>(direction: [S; 3]) -> [S; 3] {
+    let [x, y, z] = direction;
+    let least = if x.abs() <= y.abs() && x.abs() <= z.abs() {
+        [S::ONE, S::ZERO, S::ZERO]
+    } else if y.abs() <= z.abs() {
+        [S::ZERO, S::ONE, S::ZERO]
+    } else {
+        [S::ZERO, S::ZERO, S::ONE]
+    };
+    let across = cross(direction, least);
+    let length = norm(across);
+    across.map(|x| x / length)
 }
 
 /// The turn from one orientation to another: its axis, as long as its angle (rad).
@@ -96,7 +113,14 @@ fn turn<S: Float>(to: &[[S; 3]; 3], from: &[[S; 3]; 3]) -> [S; 3] {
     }
     let sine = norm(axis) / S::TWO;
     if sine <= S::ZERO {
-        return [S::ZERO; 3];
+        if trace >= S::ONE {
+            return [S::ZERO; 3];
+        }
+        // Half a turn: what it leaves where it is, twice, is what any direction and its image add up to.
+        let sums = columns(from).into_iter().zip(columns(to)).map(|(own, wanted)| add(own, wanted));
+        let axis = sums.fold([S::ZERO; 3], |axis, sum| if norm(sum) > norm(axis) { sum } else { axis });
+        let length = norm(axis);
+        return axis.map(|x| x / length * S::PI);
     }
     let angle = sine.atan2((trace - S::ONE) / S::TWO);
     axis.map(|x| x / (S::TWO * sine) * angle)
