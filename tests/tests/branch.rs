@@ -77,7 +77,9 @@ impl<'a> Case<'a> {
 
     fn random(&self, random: &mut Random) -> Vec<f64> {
         let value = |joint: &dh_core::Joint<'_>, x: f64| match (joint.kind, joint.limits) {
-            (JointKind::Prismatic, Some(limits)) => limits.min + (x + 1.0) / 2.0 * (limits.max - limits.min),
+            (JointKind::Prismatic, Some(limits)) => {
+                limits.min + f64::midpoint(x, 1.0) * (limits.max - limits.min)
+            }
             (JointKind::Prismatic, None) => x * self.reach,
             _ => PI * x,
         };
