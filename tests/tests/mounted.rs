@@ -1,5 +1,7 @@
 //! Frames known only at run time give what the same frames give that are written into the table.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test")]
+
 use dh_codegen::compile;
 use dh_codegen::plan::eval::Program;
 use dh_codegen::verify::Level;

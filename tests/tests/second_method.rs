@@ -1,5 +1,7 @@
 //! Closed forms and the general chain find the same solutions, and a solution that one of them lacks shows.
 
+#![allow(clippy::unwrap_used, reason = "a test")]
+
 use dh_codegen::plan::{Agreement, Function, FunctionKind, Plan, Step};
 use dh_codegen::verify::{Level, confirm};
 use dh_codegen::{Output, compile, plan};
