@@ -39,7 +39,7 @@ fn limits_are_kept() {
 #[test]
 fn limits_on_sums_are_kept_too() {
     let text = "[robot]\nname = \"sum\"\nconvention = \"standard\"\n[[joint]]\na = 0.3\nlimits = [-1.5, 1.5]\n\
-        [[joint]]\na = 0.3\nlimits = [-2.5, 2.5]\n[[limit]]\nof = { q1 = 1, q2 = 1 }\nrange = [0, 0.3]\n\
+        [[joint]]\na = 0.3\nlimits = [-2.5, 2.5]\n[[limit]]\nof = { J1 = 1, J2 = 1 }\nrange = [0, 0.3]\n\
         [[ik]]\nname = \"xy\"\ntarget = \"xy\"\n";
     let arm = engine::interpreter(text).unwrap();
     for target in [[0.0, 1.2], [0.5, -0.4], [-0.7, 0.1]] {
