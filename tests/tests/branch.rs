@@ -309,7 +309,7 @@ fn check(arm: &dyn Kinematics, random: &mut Random, paths: u32) -> Result<Seen, 
     let mut all = Seen::default();
     for info in arm.problems() {
         let case = Case::new(arm, *info);
-        let (paths, steps) = if case.is_searched() { (paths / 3, 16) } else { (paths, 120) };
+        let (paths, steps) = if case.is_searched() { (paths.min(4), 16) } else { (paths, 120) };
         let seen = walk(&case, random, paths, steps).map_err(|error| format!("{}: {error}", info.name))?;
         all.steps += seen.steps;
         all.targets += seen.targets;
