@@ -286,7 +286,7 @@ fn a_free_joint_may_have_one_value() {
 /// What narrow limits leave lies between the few samples of an arm without a closed form, and far from the seed.
 #[test]
 fn a_far_seed_does_not_hide_what_is_allowed() {
-    let q = [80.78418, 14.907915, -98.87311, 11.13875, 146.91786, -41.502877, 126.373991];
+    let q = [80.78418, 14.907_915, -98.87311, 11.13875, 146.91786, -41.502_877, 126.373_991];
     let mut text = dh_robots::table("rizon4").unwrap().split("[poses]").next().unwrap().to_owned();
     for (limits, q) in
         ["[-165, 165]", "[-135, 135]", "[-175, 175]", "[-112, 159]", "[-175, 175]", "[-85, 265]"]
