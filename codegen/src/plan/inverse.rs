@@ -135,7 +135,7 @@ fn function(
     scheduler.leaves_of(derivation.given.len(), &computed);
     let mut steps = std::mem::take(&mut scheduler.steps);
     let stages: Vec<Stage> = derivation.stages.iter().map(stage).collect();
-    let branch = super::branch::bits(model, problem.target, &stages, derivation.from_tip);
+    let branch = super::branch::bits(model, problem.target, &stages, derivation.begins);
     let given = derivation.given.len();
     let unknowns = unknowns::of(&derivation.joints, given, given + stages.len());
     steps.extend(nested(&mut scheduler, derivation, polish, 0));

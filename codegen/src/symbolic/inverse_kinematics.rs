@@ -7,6 +7,7 @@
 
 mod atoms;
 mod candidates;
+mod circuit;
 mod closure;
 mod expansion;
 /// Problems without a closed form as chains of six joints.
@@ -23,7 +24,7 @@ mod walk;
 mod writing;
 
 use super::expression::{Arena, Expr};
-use crate::model::{JointKind, Model, Problem, Target};
+use crate::model::{Chain, JointKind, Model, Problem, Target};
 use tracked::Seen;
 
 /// The solution of a problem: steps, and the joint variables in terms of their roots.
@@ -43,8 +44,19 @@ pub struct Derivation {
     pub joints: Vec<Linear>,
     /// The tool frame: r11 r12 r13 px r21 ...
     pub tool: Vec<Expr>,
-    /// Whether it begins at the tip: the base is what is seen.
-    pub from_tip: bool,
+    /// Where it begins.
+    pub begins: Begins,
+}
+
+/// The link from which the circuit of arm and target is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Begins {
+    /// The base.
+    Base,
+    /// The tip: the base is what is seen.
+    Tip,
+    /// One between two joints.
+    Between,
 }
 
 impl Derivation {
@@ -164,13 +176,60 @@ pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
     let unknowns =
         unknowns::eliminate(model, &problem.constraints, &problem.free).map_err(|_| Refusal::Coupling)?;
     let from_base = solve(model, problem, &unknowns, Seen::FromBase);
-    match (from_base, problem.target) {
+    let from_end = match (from_base, problem.target) {
         (Err(Refusal::NoClosedForm), Target::Pose | Target::Rotation) => {
-            let from_tip = solve(model, problem, &unknowns, Seen::FromTool)?;
-            Ok(Derivation { from_tip: true, ..from_tip })
+            let from_tip = solve(model, problem, &unknowns, Seen::FromTool);
+            from_tip.map(|found| Derivation { begins: Begins::Tip, ..found })
         }
         (outcome, _) => outcome,
+    };
+    match (from_end, problem.target) {
+        (Err(Refusal::NoClosedForm), Target::Pose) => around(model, problem, &unknowns),
+        (outcome, _) => outcome,
     }
+}
+
+/// The same from any link of the circuit that arm and target make.
+fn around(model: &Model, problem: &Problem, unknowns: &unknowns::Unknowns) -> Result<Derivation, Refusal> {
+    let plain = model.chain();
+    let joints = plain.joints.len();
+    if unknowns.free.iter().filter(|free| free.given.is_none()).count() == Target::Pose.rows() {
+        for behind in (1..=joints).rev() {
+            let mut arena = Arena::default();
+            if let Ok(Some(end)) = cut(&mut arena, model, &plain, unknowns, behind) {
+                let found = writing::write(arena, model, problem, unknowns, &end);
+                let begins = if behind == joints { Begins::Base } else { Begins::Between };
+                return Ok(Derivation { begins, ..found });
+            }
+        }
+    }
+    Err(Refusal::NoClosedForm)
+}
+
+/// The same with the cut behind one joint: the point in which the last three axes meet, then the rotation.
+fn cut(
+    arena: &mut Arena,
+    model: &Model,
+    plain: &Chain,
+    unknowns: &unknowns::Unknowns,
+    behind: usize,
+) -> Result<Option<search::State>, closure::Trouble> {
+    let Some(mut circuit) = circuit::Circuit::cut(arena, model, plain, unknowns, behind)? else {
+        return Ok(None);
+    };
+    let open = circuit.open();
+    let Some((atoms, equations)) = circuit.point(&open)? else { return Ok(None) };
+    let samples = samples::draw(model, Target::Pose, unknowns, &atoms);
+    let before = circuit.open_before(&open, &equations);
+    let start = search::State { atoms, equations, open: before, samples, found: Vec::new() };
+    let Some(end) = search::run(circuit.arena(), start)? else { return Ok(None) };
+    let mut open = open;
+    open.angles.retain(|angle| !end.found.iter().any(|found| found.unknown.place() == Some(*angle)));
+    open.slides
+        .retain(|slide| !end.found.iter().any(|found| found.unknown == search::Unknown::Slide(*slide)));
+    let (atoms, equations) = circuit.rotation(end.atoms, &end.found, &open)?;
+    let start = search::State { atoms, equations, open, samples: end.samples, found: end.found };
+    Ok(search::run(circuit.arena(), start)?)
 }
 
 /// The same from one end of the arm.
@@ -189,7 +248,7 @@ fn solve(
             },
         )?;
     let samples = samples::draw(model, problem.target, unknowns, &closure.atoms);
-    let open = closure.open(unknowns);
+    let open = closure::open(&closure.atoms, unknowns);
     let start = search::State {
         atoms: closure.atoms,
         equations: closure.equations,

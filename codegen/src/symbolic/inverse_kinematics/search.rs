@@ -203,19 +203,37 @@ fn collect(atoms: &Atoms, polynomial: &Polynomial, found: &mut BTreeSet<Atom>) {
     }
 }
 
+impl Unknown {
+    /// The place of an angle.
+    pub(super) fn place(&self) -> Option<usize> {
+        match self {
+            Self::Angle { at, .. } => Some(*at),
+            Self::Slide(_) => None,
+        }
+    }
+
+    /// The place of an angle and what stands there from then on: root = frequency . angles, so the angle at `at` is
+    /// sign (root - the others).
+    pub(super) fn replaced(&self) -> Option<(usize, Vec<i16>)> {
+        let Self::Angle { frequency, at } = self else { return None };
+        let sign = frequency.get(*at).copied().unwrap_or(1);
+        let mut coefficients: Vec<i16> = frequency.iter().map(|k| -sign * k).collect();
+        if let Some(entry) = coefficients.get_mut(*at) {
+            *entry = sign;
+        }
+        Some((*at, coefficients))
+    }
+}
+
 /// Makes a step: its unknown becomes known.
 fn take(state: &mut State, found: Found) -> Result<(), Overflow> {
     match &found.unknown {
         Unknown::Slide(atom) => state.open.slides.retain(|slide| slide != atom),
         Unknown::Angle { frequency, at } => {
-            // root = frequency . angles, so the angle at `at` = sign (root - the others).
-            let sign = frequency.get(*at).copied().unwrap_or(1);
-            let mut coefficients: Vec<i16> = frequency.iter().map(|k| -sign * k).collect();
-            if let Some(entry) = coefficients.get_mut(*at) {
-                *entry = sign;
-            }
-            for equation in &mut state.equations {
-                equation.polynomial = equation.polynomial.substitute(*at, &coefficients)?;
+            if let Some((at, coefficients)) = found.unknown.replaced() {
+                for equation in &mut state.equations {
+                    equation.polynomial = equation.polynomial.substitute(at, &coefficients)?;
+                }
             }
             for sample in &mut state.samples {
                 let root = frequency.iter().zip(&sample.angles).map(|(k, x)| f64::from(*k) * x).sum();

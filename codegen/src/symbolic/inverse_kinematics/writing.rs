@@ -6,7 +6,7 @@ use super::polynomial::{Atom, Polynomial};
 use super::roots::{by_roots, linear};
 use super::search::{Found, Solved, State, Unknown};
 use super::unknowns::{Given, Unknowns};
-use super::{Derivation, Linear, Stage, StageEquation, tool};
+use super::{Begins, Derivation, Linear, Stage, StageEquation, tool};
 use crate::model::{JointKind, Model, Problem};
 use crate::symbolic::angle::{AngleForm, Turn};
 use crate::symbolic::expression::{Arena, Expr, Leaf};
@@ -48,7 +48,7 @@ pub(super) fn write(
     let rows: Vec<Linear> = unknowns.rows.iter().map(|form| linear(form, &free)).collect();
     let mut arena = writer.arena;
     let tool = tool::entries(&mut arena, model, unknowns, &rows, &stages);
-    Derivation { arena, inputs, given, stages, joints, tool, from_tip: false }
+    Derivation { arena, inputs, given, stages, joints, tool, begins: Begins::Base }
 }
 
 struct Writer<'a> {
