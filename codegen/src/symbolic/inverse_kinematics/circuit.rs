@@ -29,11 +29,23 @@ struct Station<'a> {
     link: Vec<Step<'a>>,
 }
 
-/// A vector, and the square of its length where it is a point.
+/// A vector, and of a point the square of its distance from the origin, as far as they stay short.
 #[derive(Clone)]
 struct Carried {
-    vector: Vector,
+    point: bool,
+    vector: Option<Vector>,
     square: Option<Polynomial>,
+}
+
+impl Carried {
+    fn origin() -> Self {
+        let vector = Some([Polynomial::zero(), Polynomial::zero(), Polynomial::zero()]);
+        Self { point: true, vector, square: Some(Polynomial::zero()) }
+    }
+
+    fn direction(vector: Vector) -> Self {
+        Self { point: false, vector: Some(vector), square: None }
+    }
 }
 
 /// The circuit, from behind the cut to before it.
@@ -91,31 +103,30 @@ impl<'a, 'w> Circuit<'a, 'w> {
 
     /// The equations of the point in which the last three axes meet; `None` where they don't.
     pub(super) fn point(&mut self, open: &Open) -> Result<Option<(Atoms, Vec<Equation>)>, Trouble> {
-        let origin = [Polynomial::zero(), Polynomial::zero(), Polynomial::zero()];
-        let origin = Carried { vector: origin, square: Some(Polynomial::zero()) };
         let walker = &mut self.walker;
-        let mut inner = origin.clone();
+        let mut inner = Carried::origin();
         for station in self.stations.iter().skip(self.tail).rev() {
             let last = self.stations.last().is_some_and(|last| last.row == station.row);
             if !last {
-                inner = walker.along(&station.link, inner)?;
+                inner = walker.along(&station.link, inner);
             }
-            inner = walker.along([&station.joint], inner)?;
+            inner = walker.along([&station.joint], inner);
         }
-        for entry in &inner.vector {
+        let Some(vector) = &inner.vector else { return Ok(None) };
+        for entry in vector {
             if !Reading::new(entry, open)?.is_known() {
                 return Ok(None);
             }
         }
         let Some(end) = self.stations.last() else { return Ok(None) };
-        let mut outer = walker.back(&end.link, origin)?;
-        outer = walker.back(&self.before, outer)?;
+        let mut outer = walker.back(&end.link, Carried::origin());
+        outer = walker.back(&self.before, outer);
         // Seen from behind the cut, the joints undo what the link there did; in every frame one side of the equation.
         let mut inside = vec![inner];
         for station in self.stations.iter().take(self.tail).rev() {
             let Some(inner) = inside.last().cloned() else { break };
-            let inner = walker.along(&station.link, inner)?;
-            inside.push(walker.along([&station.joint], inner)?);
+            let inner = walker.along(&station.link, inner);
+            inside.push(walker.along([&station.joint], inner));
         }
         let what = meeting(self.stations.get(self.tail..).unwrap_or_default());
         let mut equations = Vec::new();
@@ -125,7 +136,9 @@ impl<'a, 'w> Circuit<'a, 'w> {
             let frame = station.row;
             let of = format!("the {what} in frame {frame}");
             let names = ["x", "y", "z"].map(|axis| format!("{axis}{frame}"));
-            rows(&outer.vector, &inner.vector, &of, names, group, &mut equations)?;
+            if let (Some(outer), Some(inner)) = (&outer.vector, &inner.vector) {
+                rows(outer, inner, &of, names, group, &mut equations)?;
+            }
             if let (Some(outer), Some(inner)) = (&outer.square, &inner.square) {
                 equations.push(Equation {
                     polynomial: outer.sub(inner)?,
@@ -137,8 +150,8 @@ impl<'a, 'w> Circuit<'a, 'w> {
                 });
             }
             group += 2;
-            outer = walker.back([&station.joint], outer)?;
-            outer = walker.back(&station.link, outer)?;
+            outer = walker.back([&station.joint], outer);
+            outer = walker.back(&station.link, outer);
         }
         Ok(Some((walker.atoms.clone(), equations)))
     }
@@ -167,18 +180,18 @@ impl<'a, 'w> Circuit<'a, 'w> {
             if let Some(entry) = tip.get_mut(index) {
                 *entry = one.clone();
             }
-            let tip = Carried { vector: tip, square: None };
+            let tip = Carried::direction(tip);
             let (Some(end), Some(first)) = (self.stations.last(), self.stations.first()) else { break };
             let names = |frame: usize| ["x", "y", "z"].map(|axis| format!("{letter}{axis}{frame}"));
-            let mut outer = walker.back(&end.link, tip.clone())?;
-            walker.shorten(&mut outer.vector, open, &names(first.row))?;
+            let mut outer = walker.back(&end.link, tip.clone());
+            walker.shorten(&mut outer, open, &names(first.row))?;
             let mut inside = Vec::new();
             let mut inner = tip;
             for (place, station) in self.stations.iter().enumerate().skip(self.tail).rev() {
                 if place + 1 < self.stations.len() {
-                    inner = walker.along(&station.link, inner)?;
+                    inner = walker.along(&station.link, inner);
                 }
-                inner = walker.along([&station.joint], inner)?;
+                inner = walker.along([&station.joint], inner);
                 inside.push(inner.clone());
             }
             let row = end.row;
@@ -187,14 +200,16 @@ impl<'a, 'w> Circuit<'a, 'w> {
                 if place >= self.tail {
                     let Some(inner) = inside.pop() else { break };
                     let of = format!("the {letter} axis behind joint {} in frame {frame}", row + 1);
-                    rows(&outer.vector, &inner.vector, &of, names(frame), group, &mut equations)?;
+                    if let (Some(outer), Some(inner)) = (&outer.vector, &inner.vector) {
+                        rows(outer, inner, &of, names(frame), group, &mut equations)?;
+                    }
                     group += 1;
                 }
-                outer = walker.back([&station.joint], outer)?;
-                walker.shorten(&mut outer.vector, open, &names(frame))?;
-                outer = walker.back(&station.link, outer)?;
+                outer = walker.back([&station.joint], outer);
+                walker.shorten(&mut outer, open, &names(frame))?;
+                outer = walker.back(&station.link, outer);
                 let next = self.stations.get(place + 1).map_or(frame, |next| next.row);
-                walker.shorten(&mut outer.vector, open, &names(next))?;
+                walker.shorten(&mut outer, open, &names(next))?;
             }
         }
         Ok((walker.atoms.clone(), equations))
@@ -299,35 +314,26 @@ impl Walker<'_> {
     fn along<'s, 'p: 's>(
         &mut self,
         steps: impl IntoIterator<Item = &'s Step<'p>, IntoIter: DoubleEndedIterator>,
-        mut v: Carried,
-    ) -> Result<Carried, Overflow> {
-        for step in steps.into_iter().rev() {
-            v = self.step(step, v, false)?;
-        }
-        Ok(v)
+        v: Carried,
+    ) -> Carried {
+        steps.into_iter().rev().fold(v, |v, step| self.step(step, v, false))
     }
 
     /// From the outside of steps to their inside.
-    fn back<'s, 'p: 's>(
-        &mut self,
-        steps: impl IntoIterator<Item = &'s Step<'p>>,
-        mut v: Carried,
-    ) -> Result<Carried, Overflow> {
-        for step in steps {
-            v = self.step(step, v, true)?;
-        }
-        Ok(v)
+    fn back<'s, 'p: 's>(&mut self, steps: impl IntoIterator<Item = &'s Step<'p>>, v: Carried) -> Carried {
+        steps.into_iter().fold(v, |v, step| self.step(step, v, true))
     }
 
-    /// The square of the length is carried too: by a rotation that is not known in numbers it would not be seen to stay.
-    fn step(&mut self, step: &Step<'_>, v: Carried, inward: bool) -> Result<Carried, Overflow> {
-        let Carried { vector, square } = v;
-        let point = square.is_some();
-        let square = match square {
-            Some(square) => Some(self.moved_square(step, &vector, square, inward)?),
-            None => None,
-        };
-        Ok(Carried { vector: self.carry(step, vector, point, inward)?, square })
+    /// The square of the length is carried too: of a rotation that is not known in numbers it would not be seen to leave it
+    /// as it is. What has grown so long that no equation of it can have one unknown is dropped.
+    fn step(&mut self, step: &Step<'_>, v: Carried, inward: bool) -> Carried {
+        let Carried { point, vector, square } = v;
+        let Some(vector) = vector else { return Carried { point, vector, square: None } };
+        let square = square.and_then(|square| self.moved_square(step, &vector, square, inward).ok());
+        let square = square.filter(|square| square.len() <= LONGEST_ROW);
+        let vector = self.carry(step, vector, point, inward).ok();
+        let vector = vector.filter(|vector| vector.iter().any(|entry| entry.len() <= LONGEST_ROW));
+        Carried { point, vector, square }
     }
 
     /// |v ± t|^2 = |v|^2 ± 2 t v + |t|^2
@@ -356,8 +362,8 @@ impl Walker<'_> {
     }
 
     /// Entries of which everything is known become atoms.
-    fn shorten(&mut self, v: &mut Vector, open: &Open, names: &[String; 3]) -> Result<(), Overflow> {
-        for (entry, name) in v.iter_mut().zip(names) {
+    fn shorten(&mut self, v: &mut Carried, open: &Open, names: &[String; 3]) -> Result<(), Overflow> {
+        for (entry, name) in v.vector.iter_mut().flatten().zip(names) {
             if Reading::new(entry, open)?.is_known() {
                 *entry = short(entry, &mut self.atoms, name)?;
             }
