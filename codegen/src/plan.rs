@@ -309,6 +309,8 @@ pub enum Equation {
         /// Constant.
         c: Scalar,
     },
+    /// c + a1 cos x + b1 sin x + a2 cos 2x + b2 sin 2x = 0, in this order: four roots.
+    Quartic([Scalar; 5]),
 }
 
 /// What one solving step finds, for docs, traces and errors.
@@ -339,6 +341,8 @@ pub enum Measure {
     Length,
     /// m^2
     Area,
+    /// A higher power of the metre.
+    Power(u8),
 }
 
 /// A scalar expression; a tree, since what is shared has a name of its own.

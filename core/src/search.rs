@@ -6,11 +6,13 @@ mod free;
 mod general;
 mod polynomial;
 mod pose;
+mod quartic;
 mod roots;
 mod trigonometric;
 
 pub use conditions::Condition;
 pub use general::Candidates;
+pub use quartic::QuarticRoots;
 pub use roots::Roots;
 
 use free::Free;

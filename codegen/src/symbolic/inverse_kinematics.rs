@@ -9,6 +9,7 @@ mod atoms;
 mod candidates;
 mod circuit;
 mod closure;
+mod elimination;
 mod expansion;
 /// Problems without a closed form as chains of six joints.
 pub mod general;
@@ -25,6 +26,7 @@ mod writing;
 
 use super::expression::{Arena, Expr};
 use crate::model::{Chain, JointKind, Model, Problem, Target};
+use search::Steps;
 use tracked::Seen;
 
 /// The solution of a problem: steps, and the joint variables in terms of their roots.
@@ -113,6 +115,8 @@ pub enum StageEquation {
     Linear([Expr; 2]),
     /// a x^2 + b x + c = 0
     Quadratic([Expr; 3]),
+    /// c + a1 cos x + b1 sin x + a2 cos 2x + b2 sin 2x = 0, in this order.
+    Quartic([Expr; 5]),
 }
 
 impl StageEquation {
@@ -121,6 +125,7 @@ impl StageEquation {
         match self {
             Self::Trig(_) | Self::TrigUnit(..) | Self::Quadratic(_) => 2,
             Self::TrigPair(..) | Self::Linear(_) => 1,
+            Self::Quartic(_) => 4,
         }
     }
 
@@ -131,6 +136,7 @@ impl StageEquation {
             Self::TrigUnit(list, others) => list.iter().chain(others).copied().collect(),
             Self::TrigPair(first, second) => [*first, *second].concat(),
             Self::Linear(list) => list.to_vec(),
+            Self::Quartic(list) => list.to_vec(),
         }
     }
 }
@@ -175,28 +181,36 @@ pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
     }
     let unknowns =
         unknowns::eliminate(model, &problem.constraints, &problem.free).map_err(|_| Refusal::Coupling)?;
-    let from_base = solve(model, problem, &unknowns, Seen::FromBase);
-    let from_end = match (from_base, problem.target) {
-        (Err(Refusal::NoClosedForm), Target::Pose | Target::Rotation) => {
-            let from_tip = solve(model, problem, &unknowns, Seen::FromTool);
-            from_tip.map(|found| Derivation { begins: Begins::Tip, ..found })
+    let mut outcome = Err(Refusal::NoClosedForm);
+    for steps in [Steps::Quadratic, Steps::Quartic] {
+        outcome = solve(model, problem, &unknowns, Seen::FromBase, steps);
+        if let (Err(Refusal::NoClosedForm), Target::Pose | Target::Rotation) = (&outcome, problem.target) {
+            let from_tip = solve(model, problem, &unknowns, Seen::FromTool, steps);
+            outcome = from_tip.map(|found| Derivation { begins: Begins::Tip, ..found });
         }
-        (outcome, _) => outcome,
-    };
-    match (from_end, problem.target) {
-        (Err(Refusal::NoClosedForm), Target::Pose) => around(model, problem, &unknowns),
-        (outcome, _) => outcome,
+        if let (Err(Refusal::NoClosedForm), Target::Pose) = (&outcome, problem.target) {
+            outcome = around(model, problem, &unknowns, steps);
+        }
+        if !matches!(outcome, Err(Refusal::NoClosedForm)) {
+            break;
+        }
     }
+    outcome
 }
 
 /// The same from any link of the circuit that arm and target make.
-fn around(model: &Model, problem: &Problem, unknowns: &unknowns::Unknowns) -> Result<Derivation, Refusal> {
+fn around(
+    model: &Model,
+    problem: &Problem,
+    unknowns: &unknowns::Unknowns,
+    steps: Steps,
+) -> Result<Derivation, Refusal> {
     let plain = model.chain();
     let joints = plain.joints.len();
     if unknowns.free.iter().filter(|free| free.given.is_none()).count() == Target::Pose.rows() {
         for behind in (1..=joints).rev() {
             let mut arena = Arena::default();
-            if let Ok(Some(end)) = cut(&mut arena, model, &plain, unknowns, behind) {
+            if let Ok(Some(end)) = cut(&mut arena, model, &plain, unknowns, behind, steps) {
                 let found = writing::write(arena, model, problem, unknowns, &end);
                 let begins = if behind == joints { Begins::Base } else { Begins::Between };
                 return Ok(Derivation { begins, ..found });
@@ -213,6 +227,7 @@ fn cut(
     plain: &Chain,
     unknowns: &unknowns::Unknowns,
     behind: usize,
+    steps: Steps,
 ) -> Result<Option<search::State>, closure::Trouble> {
     let Some(mut circuit) = circuit::Circuit::cut(arena, model, plain, unknowns, behind)? else {
         return Ok(None);
@@ -222,14 +237,14 @@ fn cut(
     let samples = samples::draw(model, Target::Pose, unknowns, &atoms);
     let before = circuit.open_before(&open, &equations);
     let start = search::State { atoms, equations, open: before, samples, found: Vec::new() };
-    let Some(end) = search::run(circuit.arena(), start)? else { return Ok(None) };
+    let Some(end) = search::run(circuit.arena(), start, steps)? else { return Ok(None) };
     let mut open = open;
     open.angles.retain(|angle| !end.found.iter().any(|found| found.unknown.place() == Some(*angle)));
     open.slides
         .retain(|slide| !end.found.iter().any(|found| found.unknown == search::Unknown::Slide(*slide)));
     let (atoms, equations) = circuit.rotation(end.atoms, &end.found, &open)?;
     let start = search::State { atoms, equations, open, samples: end.samples, found: end.found };
-    Ok(search::run(circuit.arena(), start)?)
+    Ok(search::run(circuit.arena(), start, steps)?)
 }
 
 /// The same from one end of the arm.
@@ -238,6 +253,7 @@ fn solve(
     problem: &Problem,
     unknowns: &unknowns::Unknowns,
     seen: Seen,
+    steps: Steps,
 ) -> Result<Derivation, Refusal> {
     let mut arena = Arena::default();
     let closure =
@@ -256,7 +272,7 @@ fn solve(
         samples,
         found: Vec::new(),
     };
-    match search::run(&arena, start) {
+    match search::run(&arena, start, steps) {
         Ok(Some(end)) => Ok(writing::write(arena, model, problem, unknowns, &end)),
         _ => Err(Refusal::NoClosedForm),
     }

@@ -72,15 +72,19 @@ impl Body<'_> {
                     }
                     let call = self.kernel(*stage, equation);
                     text.laid_out(&statement(text.indent(), "let mut roots =", &call, ";"));
+                    let next_angle = match equation {
+                        Equation::Quartic(_) => "next_of_quartic",
+                        _ => "next_angle",
+                    };
                     let (found, next) = match (equation, sin_cos) {
                         (Equation::Linear { .. } | Equation::Quadratic { .. }, _) => {
                             (self.name(*root).to_owned(), "next")
                         }
                         (_, Some([sin, cos])) => {
                             let names = [*root, *sin, *cos].map(|id| self.name(id));
-                            (format!("({})", names.join(", ")), "next_angle")
+                            (format!("({})", names.join(", ")), next_angle)
                         }
-                        (_, None) => (format!("({}, _, _)", self.name(*root)), "next_angle"),
+                        (_, None) => (format!("({}, _, _)", self.name(*root)), next_angle),
                     };
                     let some = self.leaves.paths.prelude("Some");
                     text.line(format!("while let {some}({found}) = search.{next}(&mut roots) {{"));
@@ -131,8 +135,11 @@ impl Body<'_> {
             Equation::TrigPair { .. } => "search.trig_pair",
             Equation::Linear { .. } => "search.linear",
             Equation::Quadratic { .. } => "search.quadratic",
+            Equation::Quartic(_) => "search.quartic",
         };
-        if let Equation::TrigUnit { .. } | Equation::TrigPair { .. } = equation {
+        if let Equation::Quartic(_) = equation {
+            arguments.push(Expression::Array(scalars.collect()));
+        } else if let Equation::TrigUnit { .. } | Equation::TrigPair { .. } = equation {
             let mut first: Vec<_> = scalars.collect();
             let second = first.split_off(first.len().min(3));
             arguments.extend([Expression::Array(first), Expression::Array(second)]);

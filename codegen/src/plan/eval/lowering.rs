@@ -113,6 +113,7 @@ impl<S: Float> Lowering<'_, S> {
             }
             Equation::Linear { a, c } => Kernel::Linear(self.coefficients([a, c], code)?),
             Equation::Quadratic { a, b, c } => Kernel::Quadratic(self.coefficients([a, b, c], code)?),
+            Equation::Quartic(list) => Kernel::Quartic(self.coefficients(list.each_ref(), code)?),
         })
     }
 

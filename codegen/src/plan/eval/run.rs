@@ -4,7 +4,7 @@ use super::filter::Filter;
 use super::routine::{General, Instruction, Kernel, Register, Routine, Solve};
 use super::trace::Event;
 use crate::plan::Function;
-use dh_core::{Condition, Float, Frame, MAX_JOINTS, Roots, Search, Target, residual_tolerance};
+use dh_core::{Condition, Float, Frame, MAX_JOINTS, QuarticRoots, Roots, Search, Target, residual_tolerance};
 
 /// The registers of one run. Register numbers were checked when the function was lowered.
 pub(super) struct Registers<S>(Vec<S>);
@@ -132,7 +132,10 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
             return;
         };
         let mut roots = self.roots(*step, solve.equation, registers);
-        let count = roots.into_iter().count();
+        let count = match &roots {
+            Found::Two(roots) => roots.len(),
+            Found::Four(roots) => roots.len(),
+        };
         (self.observer)(Event::Stage { index: solve.stage, stage, roots: count });
         let mut number = 0;
         while let Some(root) = self.next(solve, &mut roots, registers) {
@@ -167,13 +170,16 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
     }
 
     /// The next root, in its registers.
-    fn next(&mut self, solve: &Solve, roots: &mut Roots<S>, registers: &mut Registers<S>) -> Option<S> {
-        if !solve.angle {
-            let root = self.search.next(roots)?;
-            registers.set(solve.root, root);
-            return Some(root);
-        }
-        let (root, sin, cos) = self.search.next_angle(roots)?;
+    fn next(&mut self, solve: &Solve, roots: &mut Found<S>, registers: &mut Registers<S>) -> Option<S> {
+        let (root, sin, cos) = match roots {
+            Found::Two(roots) if !solve.angle => {
+                let root = self.search.next(roots)?;
+                registers.set(solve.root, root);
+                return Some(root);
+            }
+            Found::Two(roots) => self.search.next_angle(roots)?,
+            Found::Four(roots) => self.search.next_of_quartic(roots)?,
+        };
         registers.set(solve.root, root);
         if let Some([sin_slot, cos_slot]) = solve.sin_cos {
             registers.set(sin_slot, sin);
@@ -182,8 +188,8 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
         Some(root)
     }
 
-    fn roots(&mut self, step: dh_core::Step, equation: Kernel, registers: &Registers<S>) -> Roots<S> {
-        match equation {
+    fn roots(&mut self, step: dh_core::Step, equation: Kernel, registers: &Registers<S>) -> Found<S> {
+        Found::Two(match equation {
             Kernel::Trig(coefficients) => {
                 let [a, b, c] = registers.all(coefficients);
                 self.search.trig(step, a, b, c)
@@ -202,7 +208,10 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
                 let [a, b, c] = registers.all(coefficients);
                 self.search.quadratic(step, a, b, c)
             }
-        }
+            Kernel::Quartic(coefficients) => {
+                return Found::Four(self.search.quartic(step, registers.all(coefficients)));
+            }
+        })
     }
 
     fn accept(&mut self, candidate: &[Register], tool: &[Register], polish: bool, registers: &Registers<S>) {
@@ -224,6 +233,14 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
         }
         self.search.accept_where(q, position_error, rotation_error, &conditions);
     }
+}
+
+/// Roots of an equation.
+enum Found<S> {
+    /// Up to two.
+    Two(Roots<S>),
+    /// Up to four.
+    Four(QuarticRoots<S>),
 }
 
 /// The tool frame by a forward function.

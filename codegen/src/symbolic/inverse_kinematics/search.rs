@@ -8,6 +8,7 @@
 use super::atoms::{Atoms, Source};
 use super::candidates::candidates;
 use super::closure::{Equation, Origin};
+use super::elimination::quartics;
 use super::polynomial::{Atom, Overflow, Polynomial};
 use super::reading::{self, Open, Reading};
 use super::samples::Sample;
@@ -67,6 +68,8 @@ pub(super) enum Solved {
     Linear([Polynomial; 2]),
     /// a x^2 + b x + c = 0
     Quadratic([Polynomial; 3]),
+    /// c + a1 cos x + b1 sin x + a2 cos 2x + b2 sin 2x = 0, in this order.
+    Quartic([Polynomial; 5]),
 }
 
 impl Solved {
@@ -74,6 +77,7 @@ impl Solved {
         match self {
             Self::Pair(..) | Self::Linear(_) => 1,
             Self::Trig(_) | Self::Unit(..) | Self::Quadratic(_) => 2,
+            Self::Quartic(_) => 4,
         }
     }
 
@@ -84,6 +88,7 @@ impl Solved {
             Self::Unit(list, others) => list.iter().chain(others).collect(),
             Self::Pair(first, second) => first.iter().chain(second).collect(),
             Self::Linear(list) => list.iter().collect(),
+            Self::Quartic(list) => list.iter().collect(),
         }
     }
 
@@ -114,20 +119,30 @@ impl Found {
     }
 }
 
+/// Which steps are looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Steps {
+    /// Those with up to two roots.
+    Quadratic,
+    /// Where there are none, those with four: an angle is eliminated from two equations.
+    Quartic,
+}
+
 /// How many states a search looks at before it keeps the best so far.
 const BUDGET: usize = 60;
 /// How many steps with two roots are tried at one state.
 const WIDTH: usize = 3;
 /// The best order, as the state at its end.
-pub(super) fn run(arena: &Arena, mut start: State) -> Result<Option<State>, Overflow> {
+pub(super) fn run(arena: &Arena, mut start: State, most: Steps) -> Result<Option<State>, Overflow> {
     settle(&mut start)?;
-    let mut search = Search { arena, budget: BUDGET, best: None };
+    let mut search = Search { arena, most, budget: BUDGET, best: None };
     search.visit(start)?;
     Ok(search.best.map(|(_, state)| state))
 }
 
 struct Search<'a> {
     arena: &'a Arena,
+    most: Steps,
     budget: usize,
     best: Option<(Cost, State)>,
 }
@@ -146,6 +161,9 @@ impl Search<'_> {
         }
         self.budget -= 1;
         let mut candidates = candidates(self.arena, &mut state)?;
+        if candidates.is_empty() && self.most == Steps::Quartic {
+            candidates = quartics(self.arena, &mut state)?;
+        }
         candidates.sort_by_key(|found| {
             let unsound = found.class == Class::Unsound;
             let unit = matches!(found.equation, Solved::Unit(..));

@@ -112,6 +112,7 @@ impl Writer<'_> {
                 StageEquation::Linear([b, self.arena.neg(c)])
             }
             Solved::Quadratic(list) => StageEquation::Quadratic(list.each_ref().map(|p| self.expr(p))),
+            Solved::Quartic(list) => StageEquation::Quartic(list.each_ref().map(|p| self.expr(p))),
         }
     }
 
@@ -152,6 +153,12 @@ impl Writer<'_> {
             StageEquation::Quadratic([a, b, c]) => {
                 format!("{} = 0", text::combination(arena, &[(*a, &square), (*b, unknown), (*c, "")]))
             }
+            StageEquation::Quartic([c, a1, b1, a2, b2]) => {
+                let twice = ["cos", "sin"].map(|function| format!("{function}(2 {unknown})"));
+                let [cos2, sin2] = &twice;
+                let terms: [(Expr, &str); 5] = [(*a2, cos2), (*b2, sin2), (*a1, &cos), (*b1, &sin), (*c, "")];
+                format!("{} = 0", text::combination(arena, &terms))
+            }
         };
         (written, text::definitions(arena, &equation.coefficients()))
     }
@@ -174,6 +181,7 @@ impl Writer<'_> {
                 let twice = format!("2 {unknown}");
                 Some(format!("{} > 0", text::combination(arena, &[(*a, &twice), (*b, "")])))
             }
+            StageEquation::Quartic(_) => Some("the left side rises".to_owned()),
             StageEquation::TrigPair(..) | StageEquation::Linear(_) => None,
         }
     }

@@ -43,6 +43,7 @@ impl Solution {
             }
             Equation::Linear { a, c } => linear(unknown, &sum(a), &sum(c)),
             Equation::Quadratic { a, b, c } => quadratic(unknown, &sum(a), &sum(b), &sum(c)),
+            Equation::Quartic(list) => quartic(unknown, list.each_ref().map(sum)),
         }
     }
 }
@@ -159,5 +160,23 @@ fn quadratic(unknown: &Unknown<'_>, a: &Sum, b: &Sum, c: &Sum) -> Solution {
         roots: vec![format!("{} = {above} / {below}", unknown.name)],
         remarks,
         plus: Some(format!("{} > 0", double.mul(unknown.value()).add(b.clone()))),
+    }
+}
+
+fn quartic(unknown: &Unknown<'_>, [c, a1, b1, a2, b2]: [Sum; 5]) -> Solution {
+    let name = unknown.name;
+    let [cos, sin] = unknown.cos_sin();
+    let terms = [(a2.clone(), format!("cos(2 {name})")), (b2.clone(), format!("sin(2 {name})"))];
+    let mut left = a1.clone().mul(cos).add(b1.clone().mul(sin)).add(c).to_string();
+    for (factor, symbol) in terms.into_iter().filter(|(factor, _)| !factor.is_zero()) {
+        left = format!("({factor}) {symbol} + {left}");
+    }
+    let mut remarks = vec!["up to four roots".to_owned(), format!("a quartic in tan({name} / 2)")];
+    remarks.extend(vanishing(&[&a1, &b1, &a2, &b2]));
+    Solution {
+        equations: vec![format!("{left} = 0")],
+        roots: Vec::new(),
+        remarks,
+        plus: Some("the left side rises".to_owned()),
     }
 }
