@@ -309,8 +309,8 @@ pub enum Equation {
         /// Constant.
         c: Scalar,
     },
-    /// c + a1 cos x + b1 sin x + a2 cos 2x + b2 sin 2x = 0, in this order: four roots.
-    Quartic([Scalar; 5]),
+    /// f1^2 + f2^2 = f3^2 + f4^2, where f = k + l cos x + m sin x: four roots.
+    Quartic(Box<[[Scalar; 3]; 4]>),
 }
 
 /// What one solving step finds, for docs, traces and errors.

@@ -195,7 +195,10 @@ fn equation(kind: &StageEquation, scalars: Vec<Scalar>) -> Option<Equation> {
         }
         StageEquation::Linear(_) => Equation::Linear { a: next()?, c: next()? },
         StageEquation::Quadratic(_) => Equation::Quadratic { a: next()?, b: next()?, c: next()? },
-        StageEquation::Quartic(_) => Equation::Quartic([next()?, next()?, next()?, next()?, next()?]),
+        StageEquation::Quartic(_) => {
+            let mut form = || Some([next()?, next()?, next()?]);
+            Equation::Quartic(Box::new([form()?, form()?, form()?, form()?]))
+        }
     })
 }
 

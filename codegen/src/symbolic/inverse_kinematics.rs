@@ -115,8 +115,8 @@ pub enum StageEquation {
     Linear([Expr; 2]),
     /// a x^2 + b x + c = 0
     Quadratic([Expr; 3]),
-    /// c + a1 cos x + b1 sin x + a2 cos 2x + b2 sin 2x = 0, in this order.
-    Quartic([Expr; 5]),
+    /// f1^2 + f2^2 = f3^2 + f4^2, where f = k + l cos x + m sin x.
+    Quartic([[Expr; 3]; 4]),
 }
 
 impl StageEquation {
@@ -136,7 +136,7 @@ impl StageEquation {
             Self::TrigUnit(list, others) => list.iter().chain(others).copied().collect(),
             Self::TrigPair(first, second) => [*first, *second].concat(),
             Self::Linear(list) => list.to_vec(),
-            Self::Quartic(list) => list.to_vec(),
+            Self::Quartic(forms) => forms.as_flattened().to_vec(),
         }
     }
 }

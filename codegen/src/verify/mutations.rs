@@ -26,7 +26,7 @@ fn scalars<'p>(steps: &'p mut [Step], found: &mut Vec<&'p mut Scalar>) {
                     Equation::TrigUnit { row, others } => found.extend(row.iter_mut().chain(others)),
                     Equation::TrigPair { first, second } => found.extend(first.iter_mut().chain(second)),
                     Equation::Linear { a, c } => found.extend([a, c]),
-                    Equation::Quartic(list) => found.extend(list),
+                    Equation::Quartic(forms) => found.extend(forms.as_flattened_mut()),
                 }
                 scalars(body, found);
             }

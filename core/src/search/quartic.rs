@@ -1,6 +1,6 @@
-//! Equations in the cosine and sine of one angle and of twice that angle: quartics in the tangent of its half.
+//! Equations of the second degree in the cosine and sine of one angle: quartics in the tangent of its half.
 
-use super::{Roots, Search};
+use super::{Roots, Search, VANISHING};
 use crate::general::Waves;
 use crate::{Float, IkError, Step};
 
@@ -50,20 +50,36 @@ impl<S: Float> QuarticRoots<S> {
 }
 
 impl<const N: usize, S: Float> Search<'_, N, S> {
-    /// The angles x (rad) with c + a1 cos x + b1 sin x + a2 cos 2x + b2 sin 2x = 0: four, two or none, and where two nearly
-    /// meet that place too. Where the left side rises with x is the `+` root.
+    /// The angles x (rad) with f1² + f2² = f3² + f4², where f = k + l cos x + m sin x: four, two or none, and where two nearly
+    /// meet that place too. Where the left side less the right one rises with x is the `+` root.
     ///
     /// Computed in f64, by bounds on Taylor's expansion and Newton's method.
-    pub fn quartic(&mut self, step: Step, [c, a1, b1, a2, b2]: [S; 5]) -> QuarticRoots<S> {
+    pub fn quartic(&mut self, step: Step, forms: [[S; 3]; 4]) -> QuarticRoots<S> {
         let scale = self.begin(step);
-        let size = [a1, b1, a2, b2].into_iter().fold(S::ZERO, |size, x| size.max(x.abs()));
-        if !(size.is_finite() && c.is_finite()) {
+        let size =
+            forms.as_flattened().iter().fold(S::ZERO, |size, x| if x.abs() <= size { size } else { x.abs() });
+        if !size.is_finite() {
             return QuarticRoots::of(self.not_finite(step));
         }
         if size <= scale.vanishing {
-            return QuarticRoots::of(self.degenerate(step, c.abs(), &scale));
+            return QuarticRoots::of(self.degenerate(step, size, &scale));
         }
-        let [c, a1, b1, a2, b2] = [c, a1, b1, a2, b2].map(|x| (x / size.max(c.abs())).to_f64());
+        // c + a1 cos x + b1 sin x + a2 cos 2x + b2 sin 2x
+        let [mut c, mut a1, mut b1, mut a2, mut b2] = [0.0; 5];
+        for ([k, l, m], sign) in forms.into_iter().zip([1.0, 1.0, -1.0, -1.0]) {
+            let [k, l, m] = [k, l, m].map(|x| (x / size).to_f64());
+            c += sign * (k * k + (l * l + m * m) / 2.0);
+            a1 += sign * 2.0 * k * l;
+            b1 += sign * 2.0 * k * m;
+            a2 += sign * (l - m) * (l + m) / 2.0;
+            b2 += sign * l * m;
+        }
+        let varying = [a1, b1, a2, b2].into_iter().fold(0.0, |varying, x| varying.max(libm::fabs(x)));
+        if varying <= VANISHING * f64::EPSILON {
+            return QuarticRoots::of(self.degenerate(step, S::from_f64(libm::fabs(c)) * size, &scale));
+        }
+        let largest = varying.max(libm::fabs(c));
+        let [c, a1, b1, a2, b2] = [c, a1, b1, a2, b2].map(|x| x / largest);
         let waves = Waves::quadratic([[c, 0.0], [a1, -b1], [a2, -b2]]);
         let found = waves.roots();
         let mut roots = QuarticRoots { bit: step.sign_bit(), ..QuarticRoots::of(Roots::NONE) };

@@ -138,7 +138,9 @@ impl Body<'_> {
             Equation::Quartic(_) => "search.quartic",
         };
         if let Equation::Quartic(_) = equation {
-            arguments.push(Expression::Array(scalars.collect()));
+            let scalars: Vec<_> = scalars.collect();
+            let forms = scalars.chunks(3).map(|form| Expression::Array(form.to_vec()));
+            arguments.push(Expression::Array(forms.collect()));
         } else if let Equation::TrigUnit { .. } | Equation::TrigPair { .. } = equation {
             let mut first: Vec<_> = scalars.collect();
             let second = first.split_off(first.len().min(3));

@@ -113,7 +113,11 @@ impl<S: Float> Lowering<'_, S> {
             }
             Equation::Linear { a, c } => Kernel::Linear(self.coefficients([a, c], code)?),
             Equation::Quadratic { a, b, c } => Kernel::Quadratic(self.coefficients([a, b, c], code)?),
-            Equation::Quartic(list) => Kernel::Quartic(self.coefficients(list.each_ref(), code)?),
+            Equation::Quartic(forms) => {
+                let mut form = |form: &[Scalar; 3]| self.coefficients(form.each_ref(), code);
+                let [first, second, third, fourth] = &**forms;
+                Kernel::Quartic([form(first)?, form(second)?, form(third)?, form(fourth)?])
+            }
         })
     }
 

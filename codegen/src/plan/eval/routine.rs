@@ -90,7 +90,7 @@ pub(super) enum Kernel {
     TrigPair([Register; 3], [Register; 3]),
     Linear([Register; 2]),
     Quadratic([Register; 3]),
-    Quartic([Register; 5]),
+    Quartic([[Register; 3]; 4]),
 }
 
 /// A checked function in the scalar type `S`.

@@ -88,7 +88,7 @@ fn quartic(
     }
     let (Some(y), [a1, b1, c1, a2, b2, c2]) = (y, read.as_slice()) else { return Ok(None) };
     let known = |linear: &Linear| linear[1].is_zero() && linear[2].is_zero();
-    let (squares, sound) = if [a1, b1, a2, b2].into_iter().all(known) {
+    let (mut forms, sound) = if [a1, b1, a2, b2].into_iter().all(known) {
         let determinant = product(&a1[0], &b2[0], &a2[0], &b1[0])?;
         if vanishes(arena, state, &determinant) {
             return Ok(None);
@@ -100,31 +100,26 @@ fn quartic(
             *sin = product(c2, &a1[0], c1, &a2[0])?;
         }
         let one = [determinant, Polynomial::zero(), Polynomial::zero()];
-        (vec![(cos, 1), (sin, 1), (one, -1)], sound)
+        ([cos, sin, one, Linear::default()], sound)
     } else {
         let Some((alpha, beta)) = perpendicular(rows, [a1, b1, a2, b2])? else { return Ok(None) };
         if vanishes(arena, state, &alpha) || vanishes(arena, state, &beta) {
             return Ok(None);
         }
         let sound = of_table(&state.atoms, &alpha) && of_table(&state.atoms, &beta);
-        let squares = vec![
-            (times(c1, &alpha)?, 1),
-            (times(c2, &beta)?, 1),
-            (times(a1, &alpha)?, -1),
-            (times(b1, &alpha)?, -1),
-        ];
-        (squares, sound)
+        ([times(c1, &alpha)?, times(c2, &beta)?, times(a1, &alpha)?, times(b1, &alpha)?], sound)
     };
-    let coefficients = sum_of_squares(state, squares)?;
-    let [_, varying @ ..] = &coefficients;
-    if varying.clone().iter().all(|polynomial| vanishes(arena, state, polynomial)) {
+    for (part, name) in forms.iter_mut().flat_map(|form| form.iter_mut().zip(["k", "l", "m"])) {
+        *part = short(part, &mut state.atoms, name)?;
+    }
+    if forms.iter().flat_map(|[_, l, m]| [l, m]).all(|polynomial| vanishes(arena, state, polynomial)) {
         return Ok(None);
     }
     let Some(unknown) = angle(&y) else { return Ok(None) };
     let eliminated = Origin::whole("of which the other angle is eliminated".to_owned());
     let origin = first.origin.with(&second.origin).with(&eliminated);
     let class = if sound { Class::Singular } else { Class::Unsound };
-    Ok(Some(Found { unknown, equation: Solved::Quartic(coefficients), origin, class }))
+    Ok(Some(Found { unknown, equation: Solved::Quartic(forms), origin, class }))
 }
 
 /// a b - c d
@@ -175,25 +170,4 @@ fn perpendicular(
     let first = product(a2, &beta, b1, &alpha)?;
     let second = b2.mul(&beta)?.add(&a1.mul(&alpha)?)?;
     Ok((first.is_zero() && second.is_zero() && !alpha.is_zero()).then_some((alpha, beta)))
-}
-
-/// Coefficients of 1, cos y, sin y, cos 2y and sin 2y of a sum of squares with signs.
-fn sum_of_squares(state: &mut State, squares: Vec<(Linear, i64)>) -> Result<[Polynomial; 5], Overflow> {
-    let mut sum = <[Polynomial; 5]>::default();
-    for (linear, sign) in squares {
-        let [mut k, mut l, mut m] = linear;
-        for (part, name) in [(&mut k, "k"), (&mut l, "l"), (&mut m, "m")] {
-            *part = short(part, &mut state.atoms, name)?;
-        }
-        let (two, one) = (Number::integer(2 * sign), Number::integer(sign));
-        let half = Number::HALF.checked_mul(one).ok_or(Overflow)?;
-        let (cos, sin) = (l.mul(&l)?, m.mul(&m)?);
-        let [c, a1, b1, a2, b2] = &mut sum;
-        *c = c.add_scaled(&k.mul(&k)?, one)?.add_scaled(&cos.add(&sin)?, half)?;
-        *a1 = a1.add_scaled(&k.mul(&l)?, two)?;
-        *b1 = b1.add_scaled(&k.mul(&m)?, two)?;
-        *a2 = a2.add_scaled(&cos.sub(&sin)?, half)?;
-        *b2 = b2.add_scaled(&l.mul(&m)?, one)?;
-    }
-    Ok(sum)
 }

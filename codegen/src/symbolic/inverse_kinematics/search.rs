@@ -68,8 +68,8 @@ pub(super) enum Solved {
     Linear([Polynomial; 2]),
     /// a x^2 + b x + c = 0
     Quadratic([Polynomial; 3]),
-    /// c + a1 cos x + b1 sin x + a2 cos 2x + b2 sin 2x = 0, in this order.
-    Quartic([Polynomial; 5]),
+    /// f1^2 + f2^2 = f3^2 + f4^2, where f = k + l cos x + m sin x.
+    Quartic([[Polynomial; 3]; 4]),
 }
 
 impl Solved {
@@ -88,7 +88,7 @@ impl Solved {
             Self::Unit(list, others) => list.iter().chain(others).collect(),
             Self::Pair(first, second) => first.iter().chain(second).collect(),
             Self::Linear(list) => list.iter().collect(),
-            Self::Quartic(list) => list.iter().collect(),
+            Self::Quartic(forms) => forms.as_flattened().iter().collect(),
         }
     }
 

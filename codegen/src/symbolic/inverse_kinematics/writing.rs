@@ -112,7 +112,9 @@ impl Writer<'_> {
                 StageEquation::Linear([b, self.arena.neg(c)])
             }
             Solved::Quadratic(list) => StageEquation::Quadratic(list.each_ref().map(|p| self.expr(p))),
-            Solved::Quartic(list) => StageEquation::Quartic(list.each_ref().map(|p| self.expr(p))),
+            Solved::Quartic(forms) => {
+                StageEquation::Quartic(forms.each_ref().map(|form| form.each_ref().map(|p| self.expr(p))))
+            }
         }
     }
 
@@ -153,11 +155,17 @@ impl Writer<'_> {
             StageEquation::Quadratic([a, b, c]) => {
                 format!("{} = 0", text::combination(arena, &[(*a, &square), (*b, unknown), (*c, "")]))
             }
-            StageEquation::Quartic([c, a1, b1, a2, b2]) => {
-                let twice = ["cos", "sin"].map(|function| format!("{function}(2 {unknown})"));
-                let [cos2, sin2] = &twice;
-                let terms: [(Expr, &str); 5] = [(*a2, cos2), (*b2, sin2), (*a1, &cos), (*b1, &sin), (*c, "")];
-                format!("{} = 0", text::combination(arena, &terms))
+            StageEquation::Quartic(forms) => {
+                let square = |[k, l, m]: &[Expr; 3]| {
+                    let form = text::combination(arena, &[(*k, ""), (*l, &cos), (*m, &sin)]);
+                    if form.contains(' ') { format!("({form})^2") } else { format!("{form}^2") }
+                };
+                let sum = |forms: &[[Expr; 3]]| {
+                    let there = forms.iter().filter(|form| !form.iter().all(|x| arena.is_zero(*x)));
+                    there.map(square).collect::<Vec<_>>().join(" + ")
+                };
+                let (left, right) = forms.split_at(2);
+                format!("{} = {}", sum(left), sum(right))
             }
         };
         (written, text::definitions(arena, &equation.coefficients()))
@@ -181,7 +189,7 @@ impl Writer<'_> {
                 let twice = format!("2 {unknown}");
                 Some(format!("{} > 0", text::combination(arena, &[(*a, &twice), (*b, "")])))
             }
-            StageEquation::Quartic(_) => Some("the left side rises".to_owned()),
+            StageEquation::Quartic(_) => Some("the left side rises against the right one".to_owned()),
             StageEquation::TrigPair(..) | StageEquation::Linear(_) => None,
         }
     }

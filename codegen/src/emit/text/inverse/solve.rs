@@ -43,7 +43,10 @@ impl Solution {
             }
             Equation::Linear { a, c } => linear(unknown, &sum(a), &sum(c)),
             Equation::Quadratic { a, b, c } => quadratic(unknown, &sum(a), &sum(b), &sum(c)),
-            Equation::Quartic(list) => quartic(unknown, list.each_ref().map(sum)),
+            Equation::Quartic(forms) => {
+                let forms = forms.each_ref().map(|form| form.each_ref().map(&mut *sum));
+                quartic(unknown, forms)
+            }
         }
     }
 }
@@ -163,20 +166,14 @@ fn quadratic(unknown: &Unknown<'_>, a: &Sum, b: &Sum, c: &Sum) -> Solution {
     }
 }
 
-fn quartic(unknown: &Unknown<'_>, [c, a1, b1, a2, b2]: [Sum; 5]) -> Solution {
+fn quartic(unknown: &Unknown<'_>, forms: [[Sum; 3]; 4]) -> Solution {
     let name = unknown.name;
-    let [cos, sin] = unknown.cos_sin();
-    let terms = [(a2.clone(), format!("cos(2 {name})")), (b2.clone(), format!("sin(2 {name})"))];
-    let mut left = a1.clone().mul(cos).add(b1.clone().mul(sin)).add(c).to_string();
-    for (factor, symbol) in terms.into_iter().filter(|(factor, _)| !factor.is_zero()) {
-        left = format!("({factor}) {symbol} + {left}");
-    }
-    let mut remarks = vec!["up to four roots".to_owned(), format!("a quartic in tan({name} / 2)")];
-    remarks.extend(vanishing(&[&a1, &b1, &a2, &b2]));
+    let squares = forms.map(|[k, l, m]| left(unknown, &l, &m).add(k)).map(|form| form.squared());
+    let [first, second, third, fourth] = squares;
     Solution {
-        equations: vec![format!("{left} = 0")],
+        equations: vec![format!("{} = {}", first.add(second), third.add(fourth))],
         roots: Vec::new(),
-        remarks,
-        plus: Some("the left side rises".to_owned()),
+        remarks: vec!["up to four roots".to_owned(), format!("a quartic in tan({name} / 2)")],
+        plus: Some("the left side rises against the right one".to_owned()),
     }
 }
