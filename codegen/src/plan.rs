@@ -309,8 +309,13 @@ pub enum Equation {
         /// Constant.
         c: Scalar,
     },
-    /// f1^2 + f2^2 = f3^2 + f4^2, where f = k + l cos x + m sin x: four roots.
-    Quartic(Box<[[Scalar; 3]; 4]>),
+    /// (k1 + l1 cos x + m1 sin x)^2 + (k2 + l2 cos x + m2 sin x)^2 = n^2: four roots.
+    Quartic {
+        /// k, l and m of both squares.
+        forms: [[Scalar; 3]; 2],
+        /// n
+        right: Scalar,
+    },
 }
 
 /// What one solving step finds, for docs, traces and errors.

@@ -195,9 +195,9 @@ fn equation(kind: &StageEquation, scalars: Vec<Scalar>) -> Option<Equation> {
         }
         StageEquation::Linear(_) => Equation::Linear { a: next()?, c: next()? },
         StageEquation::Quadratic(_) => Equation::Quadratic { a: next()?, b: next()?, c: next()? },
-        StageEquation::Quartic(_) => {
+        StageEquation::Quartic(..) => {
             let mut form = || Some([next()?, next()?, next()?]);
-            Equation::Quartic(Box::new([form()?, form()?, form()?, form()?]))
+            Equation::Quartic { forms: [form()?, form()?], right: next()? }
         }
     })
 }

@@ -115,8 +115,8 @@ pub enum StageEquation {
     Linear([Expr; 2]),
     /// a x^2 + b x + c = 0
     Quadratic([Expr; 3]),
-    /// f1^2 + f2^2 = f3^2 + f4^2, where f = k + l cos x + m sin x.
-    Quartic([[Expr; 3]; 4]),
+    /// (k1 + l1 cos x + m1 sin x)^2 + (k2 + l2 cos x + m2 sin x)^2 = n^2
+    Quartic([[Expr; 3]; 2], Expr),
 }
 
 impl StageEquation {
@@ -125,7 +125,7 @@ impl StageEquation {
         match self {
             Self::Trig(_) | Self::TrigUnit(..) | Self::Quadratic(_) => 2,
             Self::TrigPair(..) | Self::Linear(_) => 1,
-            Self::Quartic(_) => 4,
+            Self::Quartic(..) => 4,
         }
     }
 
@@ -136,7 +136,7 @@ impl StageEquation {
             Self::TrigUnit(list, others) => list.iter().chain(others).copied().collect(),
             Self::TrigPair(first, second) => [*first, *second].concat(),
             Self::Linear(list) => list.to_vec(),
-            Self::Quartic(forms) => forms.as_flattened().to_vec(),
+            Self::Quartic([first, second], right) => [&first[..], second, &[*right]].concat(),
         }
     }
 }
@@ -181,19 +181,14 @@ pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
     }
     let unknowns =
         unknowns::eliminate(model, &problem.constraints, &problem.free).map_err(|_| Refusal::Coupling)?;
-    let mut outcome = Err(Refusal::NoClosedForm);
-    for steps in [Steps::Quadratic, Steps::Quartic] {
-        outcome = solve(model, problem, &unknowns, Seen::FromBase, steps);
-        if let (Err(Refusal::NoClosedForm), Target::Pose | Target::Rotation) = (&outcome, problem.target) {
-            let from_tip = solve(model, problem, &unknowns, Seen::FromTool, steps);
-            outcome = from_tip.map(|found| Derivation { begins: Begins::Tip, ..found });
-        }
-        if let (Err(Refusal::NoClosedForm), Target::Pose) = (&outcome, problem.target) {
-            outcome = around(model, problem, &unknowns, steps);
-        }
-        if !matches!(outcome, Err(Refusal::NoClosedForm)) {
-            break;
-        }
+    let mut outcome = solve(model, problem, &unknowns, Seen::FromBase);
+    if let (Err(Refusal::NoClosedForm), Target::Pose | Target::Rotation) = (&outcome, problem.target) {
+        let from_tip = solve(model, problem, &unknowns, Seen::FromTool);
+        outcome = from_tip.map(|found| Derivation { begins: Begins::Tip, ..found });
+    }
+    if let (Err(Refusal::NoClosedForm), Target::Pose) = (&outcome, problem.target) {
+        outcome = around(model, problem, &unknowns, Steps::Quadratic)
+            .or_else(|_| around(model, problem, &unknowns, Steps::Quartic));
     }
     outcome
 }
@@ -253,7 +248,6 @@ fn solve(
     problem: &Problem,
     unknowns: &unknowns::Unknowns,
     seen: Seen,
-    steps: Steps,
 ) -> Result<Derivation, Refusal> {
     let mut arena = Arena::default();
     let closure =
@@ -272,7 +266,7 @@ fn solve(
         samples,
         found: Vec::new(),
     };
-    match search::run(&arena, start, steps) {
+    match search::run(&arena, start, Steps::Quadratic) {
         Ok(Some(end)) => Ok(writing::write(arena, model, problem, unknowns, &end)),
         _ => Err(Refusal::NoClosedForm),
     }

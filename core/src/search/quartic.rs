@@ -50,29 +50,30 @@ impl<S: Float> QuarticRoots<S> {
 }
 
 impl<const N: usize, S: Float> Search<'_, N, S> {
-    /// The angles x (rad) with f1² + f2² = f3² + f4², where f = k + l cos x + m sin x: four, two or none, and where two nearly
-    /// meet that place too. Where the left side less the right one rises with x is the `+` root.
+    /// The angles x (rad) with (k1 + l1 cos x + m1 sin x)² + (k2 + l2 cos x + m2 sin x)² = n²: four, two or none, and where two
+    /// nearly meet that place too. Where the left side rises with x is the `+` root.
     ///
     /// Computed in f64, by bounds on Taylor's expansion and Newton's method.
-    pub fn quartic(&mut self, step: Step, forms: [[S; 3]; 4]) -> QuarticRoots<S> {
+    pub fn quartic(&mut self, step: Step, forms: [[S; 3]; 2], right: S) -> QuarticRoots<S> {
         let scale = self.begin(step);
-        let size =
-            forms.as_flattened().iter().fold(S::ZERO, |size, x| if x.abs() <= size { size } else { x.abs() });
-        if !size.is_finite() {
+        let all = || forms.as_flattened().iter().chain([&right]);
+        if !all().all(|x| x.is_finite()) {
             return QuarticRoots::of(self.not_finite(step));
         }
+        let size = all().fold(S::ZERO, |size, x| size.max(x.abs()));
         if size <= scale.vanishing {
             return QuarticRoots::of(self.degenerate(step, size, &scale));
         }
         // c + a1 cos x + b1 sin x + a2 cos 2x + b2 sin 2x
-        let [mut c, mut a1, mut b1, mut a2, mut b2] = [0.0; 5];
-        for ([k, l, m], sign) in forms.into_iter().zip([1.0, 1.0, -1.0, -1.0]) {
-            let [k, l, m] = [k, l, m].map(|x| (x / size).to_f64());
-            c += sign * (k * k + (l * l + m * m) / 2.0);
-            a1 += sign * 2.0 * k * l;
-            b1 += sign * 2.0 * k * m;
-            a2 += sign * (l - m) * (l + m) / 2.0;
-            b2 += sign * l * m;
+        let n = (right / size).to_f64();
+        let [mut c, mut a1, mut b1, mut a2, mut b2] = [-n * n, 0.0, 0.0, 0.0, 0.0];
+        for form in forms {
+            let [k, l, m] = form.map(|x| (x / size).to_f64());
+            c += k * k + (l * l + m * m) / 2.0;
+            a1 += 2.0 * k * l;
+            b1 += 2.0 * k * m;
+            a2 += (l - m) * (l + m) / 2.0;
+            b2 += l * m;
         }
         let varying = [a1, b1, a2, b2].into_iter().fold(0.0, |varying, x| varying.max(libm::fabs(x)));
         if varying <= VANISHING * f64::EPSILON {

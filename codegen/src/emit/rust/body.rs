@@ -73,7 +73,7 @@ impl Body<'_> {
                     let call = self.kernel(*stage, equation);
                     text.laid_out(&statement(text.indent(), "let mut roots =", &call, ";"));
                     let next_angle = match equation {
-                        Equation::Quartic(_) => "next_of_quartic",
+                        Equation::Quartic { .. } => "next_of_quartic",
                         _ => "next_angle",
                     };
                     let (found, next) = match (equation, sin_cos) {
@@ -135,12 +135,14 @@ impl Body<'_> {
             Equation::TrigPair { .. } => "search.trig_pair",
             Equation::Linear { .. } => "search.linear",
             Equation::Quadratic { .. } => "search.quadratic",
-            Equation::Quartic(_) => "search.quartic",
+            Equation::Quartic { .. } => "search.quartic",
         };
-        if let Equation::Quartic(_) = equation {
+        if let Equation::Quartic { .. } = equation {
             let scalars: Vec<_> = scalars.collect();
-            let forms = scalars.chunks(3).map(|form| Expression::Array(form.to_vec()));
+            let (forms, right) = scalars.split_at(scalars.len().min(6));
+            let forms = forms.chunks(3).map(|form| Expression::Array(form.to_vec()));
             arguments.push(Expression::Array(forms.collect()));
+            arguments.extend(right.iter().cloned());
         } else if let Equation::TrigUnit { .. } | Equation::TrigPair { .. } = equation {
             let mut first: Vec<_> = scalars.collect();
             let second = first.split_off(first.len().min(3));

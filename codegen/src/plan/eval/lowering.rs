@@ -113,10 +113,10 @@ impl<S: Float> Lowering<'_, S> {
             }
             Equation::Linear { a, c } => Kernel::Linear(self.coefficients([a, c], code)?),
             Equation::Quadratic { a, b, c } => Kernel::Quadratic(self.coefficients([a, b, c], code)?),
-            Equation::Quartic(forms) => {
-                let mut form = |form: &[Scalar; 3]| self.coefficients(form.each_ref(), code);
-                let [first, second, third, fourth] = &**forms;
-                Kernel::Quartic([form(first)?, form(second)?, form(third)?, form(fourth)?])
+            Equation::Quartic { forms: [first, second], right } => {
+                let first = self.coefficients(first.each_ref(), code)?;
+                let second = self.coefficients(second.each_ref(), code)?;
+                Kernel::Quartic([first, second], self.scalar(right, code)?)
             }
         })
     }

@@ -90,7 +90,7 @@ pub(super) enum Kernel {
     TrigPair([Register; 3], [Register; 3]),
     Linear([Register; 2]),
     Quadratic([Register; 3]),
-    Quartic([[Register; 3]; 4]),
+    Quartic([[Register; 3]; 2], Register),
 }
 
 /// A checked function in the scalar type `S`.

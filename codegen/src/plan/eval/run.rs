@@ -208,9 +208,9 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
                 let [a, b, c] = registers.all(coefficients);
                 self.search.quadratic(step, a, b, c)
             }
-            Kernel::Quartic(forms) => {
+            Kernel::Quartic(forms, right) => {
                 let forms = forms.map(|form| registers.all(form));
-                return Found::Four(self.search.quartic(step, forms));
+                return Found::Four(self.search.quartic(step, forms, registers.get(right)));
             }
         })
     }

@@ -1,6 +1,6 @@
 //! The equations of a state that one unknown solves.
 
-use super::atoms::{Atoms, Source};
+use super::atoms::{AngleData, Atoms, Source};
 use super::closure::{Equation, Origin};
 use super::polynomial::{Atom, Overflow, Polynomial};
 use super::reading::{Open, Reading, Simple};
@@ -168,7 +168,9 @@ pub(super) fn of_table(atoms: &Atoms, polynomial: &Polynomial) -> bool {
         let table = |(atom, _): &(Atom, u8)| {
             matches!(atoms.list.get(usize::from(*atom)).map(|data| &data.source), Some(Source::Table(_)))
         };
-        key.frequency.iter().all(|k| *k == 0) && key.monomial.iter().all(table)
+        let constant = |at: usize| matches!(atoms.angles.get(at), Some(AngleData::Constant { .. }));
+        key.frequency.iter().enumerate().all(|(at, k)| *k == 0 || constant(at))
+            && key.monomial.iter().all(table)
     })
 }
 

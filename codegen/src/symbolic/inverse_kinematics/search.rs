@@ -68,8 +68,8 @@ pub(super) enum Solved {
     Linear([Polynomial; 2]),
     /// a x^2 + b x + c = 0
     Quadratic([Polynomial; 3]),
-    /// f1^2 + f2^2 = f3^2 + f4^2, where f = k + l cos x + m sin x.
-    Quartic([[Polynomial; 3]; 4]),
+    /// (k1 + l1 cos x + m1 sin x)^2 + (k2 + l2 cos x + m2 sin x)^2 = n^2
+    Quartic([[Polynomial; 3]; 2], Polynomial),
 }
 
 impl Solved {
@@ -77,7 +77,7 @@ impl Solved {
         match self {
             Self::Pair(..) | Self::Linear(_) => 1,
             Self::Trig(_) | Self::Unit(..) | Self::Quadratic(_) => 2,
-            Self::Quartic(_) => 4,
+            Self::Quartic(..) => 4,
         }
     }
 
@@ -88,7 +88,7 @@ impl Solved {
             Self::Unit(list, others) => list.iter().chain(others).collect(),
             Self::Pair(first, second) => first.iter().chain(second).collect(),
             Self::Linear(list) => list.iter().collect(),
-            Self::Quartic(forms) => forms.as_flattened().iter().collect(),
+            Self::Quartic(forms, right) => forms.as_flattened().iter().chain([right]).collect(),
         }
     }
 

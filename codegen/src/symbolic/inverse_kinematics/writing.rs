@@ -112,8 +112,10 @@ impl Writer<'_> {
                 StageEquation::Linear([b, self.arena.neg(c)])
             }
             Solved::Quadratic(list) => StageEquation::Quadratic(list.each_ref().map(|p| self.expr(p))),
-            Solved::Quartic(forms) => {
-                StageEquation::Quartic(forms.each_ref().map(|form| form.each_ref().map(|p| self.expr(p))))
+            Solved::Quartic(forms, right) => {
+                let forms = forms.each_ref().map(|form| self.trig(form));
+                let right = self.expr(right);
+                StageEquation::Quartic(forms, self.arena.split_sign(right).1)
             }
         }
     }
@@ -155,17 +157,14 @@ impl Writer<'_> {
             StageEquation::Quadratic([a, b, c]) => {
                 format!("{} = 0", text::combination(arena, &[(*a, &square), (*b, unknown), (*c, "")]))
             }
-            StageEquation::Quartic(forms) => {
-                let square = |[k, l, m]: &[Expr; 3]| {
+            StageEquation::Quartic(forms, right) => {
+                let [first, second] = forms.each_ref().map(|[k, l, m]| {
                     let form = text::combination(arena, &[(*k, ""), (*l, &cos), (*m, &sin)]);
                     if form.contains(' ') { format!("({form})^2") } else { format!("{form}^2") }
-                };
-                let sum = |forms: &[[Expr; 3]]| {
-                    let there = forms.iter().filter(|form| !form.iter().all(|x| arena.is_zero(*x)));
-                    there.map(square).collect::<Vec<_>>().join(" + ")
-                };
-                let (left, right) = forms.split_at(2);
-                format!("{} = {}", sum(left), sum(right))
+                });
+                let right = text::abbreviated(arena, *right);
+                let right = if right.contains(' ') { format!("({right})^2") } else { format!("{right}^2") };
+                format!("{first} + {second} = {right}")
             }
         };
         (written, text::definitions(arena, &equation.coefficients()))
@@ -189,7 +188,7 @@ impl Writer<'_> {
                 let twice = format!("2 {unknown}");
                 Some(format!("{} > 0", text::combination(arena, &[(*a, &twice), (*b, "")])))
             }
-            StageEquation::Quartic(_) => Some("the left side rises against the right one".to_owned()),
+            StageEquation::Quartic(..) => Some("the left side rises".to_owned()),
             StageEquation::TrigPair(..) | StageEquation::Linear(_) => None,
         }
     }

@@ -43,9 +43,9 @@ impl Solution {
             }
             Equation::Linear { a, c } => linear(unknown, &sum(a), &sum(c)),
             Equation::Quadratic { a, b, c } => quadratic(unknown, &sum(a), &sum(b), &sum(c)),
-            Equation::Quartic(forms) => {
+            Equation::Quartic { forms, right } => {
                 let forms = forms.each_ref().map(|form| form.each_ref().map(&mut *sum));
-                quartic(unknown, forms)
+                quartic(unknown, forms, &sum(right))
             }
         }
     }
@@ -166,14 +166,13 @@ fn quadratic(unknown: &Unknown<'_>, a: &Sum, b: &Sum, c: &Sum) -> Solution {
     }
 }
 
-fn quartic(unknown: &Unknown<'_>, forms: [[Sum; 3]; 4]) -> Solution {
+fn quartic(unknown: &Unknown<'_>, forms: [[Sum; 3]; 2], right: &Sum) -> Solution {
     let name = unknown.name;
-    let squares = forms.map(|[k, l, m]| left(unknown, &l, &m).add(k)).map(|form| form.squared());
-    let [first, second, third, fourth] = squares;
+    let [first, second] = forms.map(|[k, l, m]| left(unknown, &l, &m).add(k).squared());
     Solution {
-        equations: vec![format!("{} = {}", first.add(second), third.add(fourth))],
+        equations: vec![format!("{} = {}", first.add(second), right.squared())],
         roots: Vec::new(),
         remarks: vec!["up to four roots".to_owned(), format!("a quartic in tan({name} / 2)")],
-        plus: Some("the left side rises against the right one".to_owned()),
+        plus: Some("the left side rises".to_owned()),
     }
 }
