@@ -114,10 +114,11 @@ impl Waves {
         Self::new(coefficients, 2, 0.0)
     }
 
-    /// The derivative.
-    pub(crate) fn slope(&self, x: f64) -> f64 {
-        let [_, slope, _] = self.at(x);
-        slope
+    /// A root to its last digits, and the derivative there. (Between [`LAST_STEP`] and these, a bracket says nothing.)
+    pub(crate) fn refined(&self, root: f64) -> (f64, f64) {
+        let [f, d, _] = self.at(root);
+        let step = f / d;
+        (if libm::fabs(step) < 2.0 * LAST_STEP { root - step } else { root }, d)
     }
 
     /// Value and two derivatives.

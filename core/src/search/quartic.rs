@@ -85,7 +85,8 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let found = waves.roots();
         let mut roots = QuarticRoots { bit: step.sign_bit(), ..QuarticRoots::of(Roots::NONE) };
         for root in found.as_slice().iter().chain(found.unlikely()) {
-            roots.push(*root, waves.slope(*root) < 0.0);
+            let (root, slope) = waves.refined(*root);
+            roots.push(root, slope < 0.0);
         }
         let near = |(place, root): (usize, &f64)| {
             let others = found.as_slice().iter().skip(place + 1);
