@@ -65,7 +65,10 @@ fn every_change_of_sign_has_its_root_and_its_sign() {
         for one in found {
             let [miss, slope] = value(&forms, right, one.q[0]);
             // Next to a double root, the value knows half of the digits.
-            assert!(miss.abs() <= 1e-15 * (1.0 + 1.0 / slope.abs()) || slope.abs() < 1e-2, "{forms:?} {right}: {one:?}");
+            assert!(
+                miss.abs() <= 1e-15 * (1.0 + 1.0 / slope.abs()) || slope.abs() < 1e-2,
+                "{forms:?} {right}: {one:?}"
+            );
             assert!(slope.abs() < 1e-6 || one.branch.is_plus(&BIT).unwrap() == (slope > 0.0));
         }
         counts[changes.len()] += 1;
