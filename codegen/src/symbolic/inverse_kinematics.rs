@@ -230,7 +230,7 @@ fn cut(
     let open = circuit.open();
     let Some((atoms, equations)) = circuit.point(&open)? else { return Ok(None) };
     let samples = samples::draw(model, Target::Pose, unknowns, &atoms);
-    let before = circuit.open_before(&open, &equations);
+    let before = circuit::open_in(&open, &equations);
     let start = search::State { atoms, equations, open: before, samples, found: Vec::new() };
     let Some(end) = search::run(circuit.arena(), start, steps)? else { return Ok(None) };
     let mut open = open;

@@ -69,7 +69,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let [mut c, mut a1, mut b1, mut a2, mut b2] = [-n * n, 0.0, 0.0, 0.0, 0.0];
         for form in forms {
             let [k, l, m] = form.map(|x| (x / size).to_f64());
-            c += k * k + (l * l + m * m) / 2.0;
+            c += k * k + f64::midpoint(l * l, m * m);
             a1 += 2.0 * k * l;
             b1 += 2.0 * k * m;
             a2 += (l - m) * (l + m) / 2.0;

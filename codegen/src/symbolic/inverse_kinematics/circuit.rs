@@ -215,22 +215,6 @@ impl<'a, 'w> Circuit<'a, 'w> {
         Ok((walker.atoms.clone(), equations))
     }
 
-    /// What the joints before the rotation leave to be found.
-    pub(super) fn open_before(&self, open: &Open, equations: &[Equation]) -> Open {
-        let mut before = Open::default();
-        for (key, _) in equations.iter().flat_map(|equation| equation.polynomial.terms()) {
-            let within = |angle: &&usize| key.frequency.get(**angle).is_some_and(|k| *k != 0);
-            before.angles.extend(open.angles.iter().filter(within));
-            let slides = key.monomial.iter().map(|(atom, _)| *atom);
-            before.slides.extend(slides.filter(|atom| open.slides.contains(atom)));
-        }
-        before.angles.sort_unstable();
-        before.angles.dedup();
-        before.slides.sort_unstable();
-        before.slides.dedup();
-        before
-    }
-
     /// What the expressions are in.
     pub(super) fn arena(&self) -> &Arena {
         self.walker.arena
@@ -240,6 +224,22 @@ impl<'a, 'w> Circuit<'a, 'w> {
     pub(super) fn open(&self) -> Open {
         super::closure::open(&self.walker.atoms, self.walker.unknowns)
     }
+}
+
+/// What of this is in equations.
+pub(super) fn open_in(open: &Open, equations: &[Equation]) -> Open {
+    let mut before = Open::default();
+    for (key, _) in equations.iter().flat_map(|equation| equation.polynomial.terms()) {
+        let within = |angle: &&usize| key.frequency.get(**angle).is_some_and(|k| *k != 0);
+        before.angles.extend(open.angles.iter().filter(within));
+        let slides = key.monomial.iter().map(|(atom, _)| *atom);
+        before.slides.extend(slides.filter(|atom| open.slides.contains(atom)));
+    }
+    before.angles.sort_unstable();
+    before.angles.dedup();
+    before.slides.sort_unstable();
+    before.slides.dedup();
+    before
 }
 
 fn is_along_axis(step: &Step<'_>) -> bool {
