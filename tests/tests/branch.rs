@@ -340,8 +340,8 @@ fn of_tables_of_every_class() {
             let text = table(rows, *skew, &mut random);
             let text = if modified { modified_rows(&text) } else { text };
             let arm = engine::interpreter(&text).unwrap();
-            let seen =
-                check(&*arm, &mut random, 16, most).unwrap_or_else(|error| panic!("{class}, {error}\n{text}"));
+            let seen = check(&*arm, &mut random, 16, most)
+                .unwrap_or_else(|error| panic!("{class}, {error}\n{text}"));
             assert!(seen.steps > 100 && (seen.targets > 3 || arm.dof() < 6), "{class}: {seen:?}\n{text}");
         }
     }

@@ -187,23 +187,26 @@ pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
         outcome = from_tip.map(|found| Derivation { begins: Begins::Tip, ..found });
     }
     if let (Err(Refusal::NoClosedForm), Target::Pose) = (&outcome, problem.target) {
-        outcome = around(model, problem, &unknowns, Steps::Quadratic)
-            .or_else(|_| around(model, problem, &unknowns, Steps::Quartic));
+        outcome = around(model, problem, &unknowns);
     }
     outcome
 }
 
-/// The same from any link of the circuit that arm and target make.
-fn around(
-    model: &Model,
-    problem: &Problem,
-    unknowns: &unknowns::Unknowns,
-    steps: Steps,
-) -> Result<Derivation, Refusal> {
+/// The same from any link of the circuit that arm and target make, behind which the axes of three joints meet.
+fn around(model: &Model, problem: &Problem, unknowns: &unknowns::Unknowns) -> Result<Derivation, Refusal> {
     let plain = model.chain();
     let joints = plain.joints.len();
-    if unknowns.free.iter().filter(|free| free.given.is_none()).count() == Target::Pose.rows() {
-        for behind in (1..=joints).rev() {
+    if unknowns.free.iter().filter(|free| free.given.is_none()).count() != Target::Pose.rows() {
+        return Err(Refusal::NoClosedForm);
+    }
+    let meet = |behind: &usize| {
+        let mut arena = Arena::default();
+        let circuit = circuit::Circuit::cut(&mut arena, model, &plain, unknowns, *behind);
+        circuit.ok().flatten().is_some_and(|mut circuit| circuit.meets())
+    };
+    let cuts: Vec<usize> = (1..=joints).rev().filter(meet).collect();
+    for steps in [Steps::Quadratic, Steps::Quartic] {
+        for &behind in &cuts {
             let mut arena = Arena::default();
             if let Ok(Some(end)) = cut(&mut arena, model, &plain, unknowns, behind, steps) {
                 let found = writing::write(arena, model, problem, unknowns, &end);
@@ -228,7 +231,7 @@ fn cut(
         return Ok(None);
     };
     let open = circuit.open();
-    let Some((atoms, equations)) = circuit.point(&open)? else { return Ok(None) };
+    let Some((atoms, equations)) = circuit.point()? else { return Ok(None) };
     let samples = samples::draw(model, Target::Pose, unknowns, &atoms);
     let before = circuit::open_in(&open, &equations);
     let start = search::State { atoms, equations, open: before, samples, found: Vec::new() };

@@ -101,23 +101,34 @@ impl<'a, 'w> Circuit<'a, 'w> {
         Ok(Some(Self { walker, before, stations, tail }))
     }
 
-    /// The equations of the point in which the last three axes meet; `None` where they don't.
-    pub(super) fn point(&mut self, open: &Open) -> Result<Option<(Atoms, Vec<Equation>)>, Trouble> {
-        let walker = &mut self.walker;
-        let mut inner = Carried::origin();
-        for station in self.stations.iter().skip(self.tail).rev() {
-            let last = self.stations.last().is_some_and(|last| last.row == station.row);
-            if !last {
-                inner = walker.along(&station.link, inner);
+    /// The point in which the last three axes meet, before the first of them; `None` where they don't.
+    fn meeting_point(&mut self) -> Result<Option<Carried>, Trouble> {
+        let open = self.open();
+        let mut point = Carried::origin();
+        for (place, station) in self.stations.iter().enumerate().skip(self.tail).rev() {
+            if place + 1 < self.stations.len() {
+                point = self.walker.along(&station.link, point);
             }
-            inner = walker.along([&station.joint], inner);
+            point = self.walker.along([&station.joint], point);
         }
-        let Some(vector) = &inner.vector else { return Ok(None) };
+        let Some(vector) = &point.vector else { return Ok(None) };
         for entry in vector {
-            if !Reading::new(entry, open)?.is_known() {
+            if !Reading::new(entry, &open)?.is_known() {
                 return Ok(None);
             }
         }
+        Ok(Some(point))
+    }
+
+    /// Whether the last three axes meet.
+    pub(super) fn meets(&mut self) -> bool {
+        matches!(self.meeting_point(), Ok(Some(_)))
+    }
+
+    /// The equations of the point in which the last three axes meet; `None` where they don't.
+    pub(super) fn point(&mut self) -> Result<Option<(Atoms, Vec<Equation>)>, Trouble> {
+        let Some(inner) = self.meeting_point()? else { return Ok(None) };
+        let walker = &mut self.walker;
         let Some(end) = self.stations.last() else { return Ok(None) };
         let mut outer = walker.back(&end.link, Carried::origin());
         outer = walker.back(&self.before, outer);
