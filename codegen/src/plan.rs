@@ -11,10 +11,12 @@ pub(crate) mod fixtures;
 mod forward;
 mod general;
 mod inverse;
+mod near;
 mod schedule;
 
 pub use general::GeneralChain;
 pub use inverse::Unsolved;
+pub use near::Nearly;
 
 /// Every function that the robot has, and the problems that have none.
 pub fn build(model: &crate::model::Model) -> (Plan, Vec<Unsolved>) {
@@ -180,6 +182,16 @@ pub enum Step {
         roots: Vec<ValueId>,
         /// What follows for each solution.
         body: Vec<Step>,
+    },
+    /// The arm that a nearly special one was meant to be: candidates of `body` are solutions of that one, brought to the
+    /// pose. Where those are not sure to be all, `otherwise` is done instead.
+    Near {
+        /// What the two arms are to each other.
+        nearly: Nearly,
+        /// Closed form of the arm that was meant.
+        body: Vec<Step>,
+        /// The arm as it is.
+        otherwise: Vec<Step>,
     },
     /// A candidate: the joint variables q, one a joint (not yet wrapped into (-pi, pi], nor checked).
     Accept {

@@ -50,7 +50,7 @@ pub use nalgebra_types::{Jacobian, Pose, jacobian_from_columns};
 pub use polish::{Polished, polish};
 pub use redundancy::{Arm, FreeValues, Redundancy, SWEEP_SAMPLES};
 pub use rules::{Axis, Bound, KeepOut, Rule, Rules, Side, SumLimit, Violation, Violations, Winding};
-pub use search::{Candidates, Condition, Roots, Search};
+pub use search::{Candidates, Condition, Near, Nearly, Roots, Search};
 pub use solution_set::{SolutionSet, SolutionView};
 pub use solutions::{Solution, Solutions};
 pub use step::{Measure, Step};

@@ -4,6 +4,7 @@
 mod conditions;
 mod free;
 mod general;
+mod near;
 mod polynomial;
 mod pose;
 mod roots;
@@ -11,6 +12,7 @@ mod trigonometric;
 
 pub use conditions::Condition;
 pub use general::Candidates;
+pub use near::{Near, Nearly};
 pub use roots::Roots;
 
 use crate::{Float, IkError, Rule, Solution, Solutions, Step, Winding, residual_tolerance};

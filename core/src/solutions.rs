@@ -78,6 +78,13 @@ impl<const N: usize, S: Float> Solutions<N, S> {
         self.append(solution);
     }
 
+    /// Adds a solution; says whether it is another than those that are there, whole turns aside.
+    pub(crate) fn append_new(&mut self, solution: Solution<N, S>, windings: &[Winding<'_, S>]) -> bool {
+        let new = !self.iter().any(|known| same(&known.q, &solution.q, windings));
+        self.append(solution);
+        new
+    }
+
     pub(crate) fn append(&mut self, solution: Solution<N, S>) {
         if let Some(slot) = self.items.get_mut(self.len) {
             *slot = solution;

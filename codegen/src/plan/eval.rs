@@ -25,7 +25,7 @@ use crate::model::Model;
 use dh_core::{Float, IkError, MAX_JOINTS, Search, Solutions, Target, Winding};
 use filter::Filter;
 use routine::Routine;
-use run::{Inverse, Registers};
+use run::{Inverse, Registers, Searching};
 
 /// A plan, checked and lowered to instructions on scalars of type `S`.
 #[derive(Debug, Clone)]
@@ -115,7 +115,8 @@ impl<'m, S: Float> Program<'m, S> {
             reach,
             filters: problem.and_then(|problem| self.filters.get(problem)).map_or(&[], Vec::as_slice),
             observer,
-            search: Search::new(reach, windings),
+            windings,
+            search: Searching::Exact(Search::new(reach, windings)),
         };
         run.run(&mut registers);
         Some(run.search.finish())

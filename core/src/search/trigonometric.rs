@@ -196,6 +196,12 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         Roots::one(Root::Angle { sin: sine * cos + cosine * sin, cos: cosine * cos - sine * sin })
     }
 
+    /// [`Search::unreachable`] for a step whose scale isn't at hand.
+    pub(super) fn unreachable_by(&mut self, step: Step, excess: S, h: S) -> Roots<S> {
+        let scale = self.begin(step);
+        self.unreachable(step, excess, h, &scale)
+    }
+
     /// `excess` is in the dimension of the equation, whose coefficients have size `h`.
     fn unreachable(&mut self, step: Step, excess: S, h: S, scale: &Scale<S>) -> Roots<S> {
         let (excess, miss) =
@@ -212,7 +218,7 @@ fn size<S: Float>(a: S, b: S) -> S {
 
 /// The angles whose cosine and sine are (a c ∓ b r, b c ± a r) times `factor`.
 #[inline]
-fn both<S: Float>(a: S, b: S, c: S, r: S, factor: S) -> Roots<S> {
+pub(super) fn both<S: Float>(a: S, b: S, c: S, r: S, factor: S) -> Roots<S> {
     let (along, across) = (a * c * factor, b * c * factor);
     let (turned, back) = (b * r * factor, a * r * factor);
     Roots::two(

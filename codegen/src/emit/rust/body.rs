@@ -16,6 +16,10 @@ pub(super) struct Body<'a> {
     pub(super) stages: &'a [String],
     /// Name of the constant that holds the chain of a function without a closed form.
     pub(super) chain: &'a str,
+    /// Name of the constant that says how nearly special the arm is.
+    pub(super) nearly: &'a str,
+    /// Names of the constants that every search needs.
+    pub(super) search: [&'a str; 2],
 }
 
 /// What an inverse function comes to.
@@ -31,6 +35,7 @@ pub(super) struct Locals {
     pub(super) values: Vec<String>,
     pub(super) stages: Vec<String>,
     pub(super) chain: String,
+    pub(super) nearly: String,
 }
 
 impl Locals {
@@ -45,7 +50,8 @@ impl Locals {
         let mut names = scope.clone();
         let stages = function.stages.iter().map(|stage| names.constant(&stage.unknown)).collect();
         let chain = names.constant("chain");
-        Self { values, stages, chain }
+        let nearly = names.constant("nearly");
+        Self { values, stages, chain, nearly }
     }
 }
 
@@ -112,9 +118,33 @@ impl Body<'_> {
                     text.append(&nested.into_string());
                     text.line("}");
                 }
+                Step::Near { body, otherwise, .. } => {
+                    text.gap();
+                    let meant = "The arm that was meant; each of its solutions is brought to the pose of the arm as it is.";
+                    text.paragraph("//", meant);
+                    text.line(self.search("Near", &[self.nearly]));
+                    self.steps(text, body, accept);
+                    let some = self.leaves.paths.prelude("Some");
+                    text.line(format!("if let {some}(answer) = search.finish() {{"));
+                    text.line("    return answer;");
+                    text.line("}");
+                    text.gap();
+                    text.paragraph("//", "Near a singular pose of it, the arm as it is.");
+                    let target = self.leaves.paths.runtime("Target");
+                    text.line(format!("let target = {target}::Pose(pose);"));
+                    text.line(self.search("Search", &[]));
+                    self.steps(text, otherwise, accept);
+                }
                 Step::Accept { q, tool, polish } => accept(text, &Candidate { q, tool, polish: *polish }),
             }
         }
+    }
+
+    /// A new search.
+    pub(super) fn search(&self, kind: &str, more: &[&str]) -> String {
+        let [reach, windings] = self.search;
+        let more: String = more.iter().map(|name| format!(", &{name}")).collect();
+        format!("let mut search = {}::new({reach}, &{windings}{more});", self.leaves.paths.runtime(kind))
     }
 
     /// The solver's call for an equation.

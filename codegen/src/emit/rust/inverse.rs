@@ -36,11 +36,7 @@ impl<'a> Printer<'a> {
         for (index, (stage, name)) in function.stages.iter().zip(&locals.stages).enumerate() {
             lines.line(self.stage(index, stage, name));
         }
-        for step in &function.steps {
-            if let Step::General { chain, .. } = step {
-                self.chain(&mut lines, &locals.chain, chain);
-            }
-        }
+        self.arms(&mut lines, &function.steps, &locals);
         lines.gap();
         let (numbers, free) = input_patterns(function, problem, &body);
         let source = if polishes(&function.steps) {
@@ -57,12 +53,9 @@ impl<'a> Printer<'a> {
         if let Some(free) = &free {
             lines.line(format!("let {free} = *free;"));
         }
-        lines.line(format!(
-            "let mut search = {}::new({}, &{});",
-            self.paths.runtime("Search"),
-            self.private("REACH"),
-            self.private("WINDINGS")
-        ));
+        if !matches!(function.steps[..], [Step::Near { .. }]) {
+            lines.line(body.search("Search", &[]));
+        }
         body.steps(&mut lines, &function.steps, &|text, candidate| {
             self.accept(text, candidate, problem, &body);
         });
@@ -102,6 +95,33 @@ impl<'a> Printer<'a> {
         let measure = format!("{}::{measure}", self.paths.runtime("Measure"));
         let rows = number::grouped(&format!("{:b}", stage.rows), 4);
         format!("const {name}: {step} = {step}::new({index}, 0b{rows}, {prismatic}, {measure});")
+    }
+
+    /// What some steps need to know of the arm.
+    fn arms(&self, text: &mut Text, steps: &[Step], locals: &Locals) {
+        for step in steps {
+            match step {
+                Step::General { chain, .. } => self.chain(text, &locals.chain, chain),
+                Step::Near { nearly, otherwise, .. } => {
+                    let ty = self.paths.runtime("Nearly");
+                    text.line(format!("const {}: {ty}<'static> = {ty} {{", locals.nearly));
+                    text.line(format!("    unknowns: {:?},", nearly.unknowns));
+                    text.line("    gains: &[");
+                    let mut gains = nearly.gains.as_slice();
+                    let mut length = 1;
+                    while let Some((row, rest)) = gains.split_at_checked(length) {
+                        let row: Vec<String> = row.iter().map(|gain| format!("{gain:?}")).collect();
+                        text.line(format!("        {},", row.join(", ")));
+                        gains = rest;
+                        length += 1;
+                    }
+                    text.line("    ],");
+                    text.line("};");
+                    self.arms(text, otherwise, locals);
+                }
+                _ => {}
+            }
+        }
     }
 
     /// The chain of a function without a closed form: f64 whatever the scalar, for its polynomials need the digits.
@@ -255,6 +275,7 @@ fn polishes(steps: &[Step]) -> bool {
     steps.iter().any(|step| match step {
         Step::Solve { body, .. } | Step::General { body, .. } => polishes(body),
         Step::Accept { polish, .. } => *polish,
+        Step::Near { .. } => true,
         Step::Let { .. } | Step::SinCos { .. } => false,
     })
 }

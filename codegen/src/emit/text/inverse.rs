@@ -120,6 +120,12 @@ impl Derivation<'_, '_, '_> {
                     }
                     self.steps(body);
                 }
+                Step::Near { body, otherwise, .. } => {
+                    self.text.gap();
+                    self.text.line(1, "As the arm that was meant:");
+                    self.steps(body);
+                    self.steps(otherwise);
+                }
                 Step::Accept { q, .. } => self.joints(q),
             }
         }

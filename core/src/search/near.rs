@@ -1,0 +1,293 @@
+//! Arms that are nearly special: axes that are a little off parallel, or a little off meeting.
+//!
+//! Such an arm has no closed form, but the one that it was meant to be has. That is solved, and each of its solutions is
+//! brought to the pose of the arm as it is by Newton's method. None is lost by this as long as every step of the closed form
+//! is well-conditioned: joint values of the arm meet the steps' equations but for the deviation of the two arms, and so are
+//! near a root of each, one after the other. What they may be off by is carried from step to step, and where it comes near
+//! what would make two roots one, or no root of one, nothing is concluded.
+
+mod fold;
+mod newton;
+
+use super::roots::Root;
+use super::{Roots, Search};
+use crate::frame::{norm, sub};
+use crate::{Float, Frame, IkError, Polished, Solution, Solutions, Step, Winding, rotation_error};
+
+/// How many joints are found.
+const UNKNOWNS: usize = 6;
+
+/// What a nearly special arm is to the one that it was meant to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Nearly<'a> {
+    /// The joints that are found (indices of q).
+    pub unknowns: [usize; UNKNOWNS],
+    /// By how much each step of the closed form is off, in the size of its equation: first what the deviation of the two
+    /// arms makes at most; then, for the unknown of every step before, what one that is off by 1 (rad, reaches) does.
+    pub gains: &'a [f64],
+}
+
+/// A search of the arm that a nearly special one was meant to be.
+///
+/// It has the steps of [`Search`]. [`Near::finish`] has an answer where no step came near its singular condition.
+#[derive(Debug, Clone)]
+pub struct Near<'a, const N: usize, S = f64> {
+    search: Search<'a, N, S>,
+    unknowns: [usize; UNKNOWNS],
+    gains: &'a [f64],
+    /// What the unknown of each step may be off by (rad, reaches).
+    off: [S; STEPS],
+    /// Bit i is set where the two roots of step i may have met, on the branch that is under way.
+    folds: u32,
+    doubtful: bool,
+}
+
+/// The most steps that are kept track of.
+const STEPS: usize = 16;
+
+/// A coefficient is this many times what it may be off by, at least.
+const MARGIN: f64 = 4.0;
+
+/// Two rows have one direction more surely than two where what they are off by turns it by this much (rad).
+const UNSURE: f64 = 0.125;
+
+/// An error (reaches, rad) of so many machine epsilons of the target is none: it comes of rounding in the closed form.
+const MET: f64 = 1e6;
+
+impl<'a, const N: usize, S: Float> Near<'a, N, S> {
+    /// A new search, see [`Search::new`].
+    #[inline]
+    pub fn new(reach: S, windings: &'a [Winding<'a, S>], nearly: &Nearly<'a>) -> Self {
+        Self {
+            search: Search::new(reach, windings),
+            unknowns: nearly.unknowns,
+            gains: nearly.gains,
+            off: [S::ZERO; STEPS],
+            folds: 0,
+            doubtful: false,
+        }
+    }
+
+    /// What a step's equation may be off by, in its own dimension.
+    #[inline]
+    fn begin(&mut self, step: Step) -> S {
+        self.folds &= !super::bit(step);
+        let index = usize::from(step.index);
+        let first = index * (index + 1) / 2;
+        let Some([deviation, gains @ ..]) = self.gains.get(first..=first + index) else {
+            return S::INFINITY;
+        };
+        let mut off = S::from_f64(*deviation);
+        for (gain, by) in gains.iter().zip(&self.off) {
+            off += S::from_f64(*gain) * *by;
+        }
+        off * step.measure.scale(self.search.reach)
+    }
+
+    /// Notes by how much (rad, reaches) the unknown of a step may be off.
+    #[inline]
+    fn end(&mut self, step: Step, by: S) {
+        match self.off.get_mut(usize::from(step.index)) {
+            Some(off) => *off = by,
+            None => self.doubtful = true,
+        }
+    }
+
+    #[cold]
+    fn doubt(&mut self) -> Roots<S> {
+        self.doubtful = true;
+        Roots::NONE
+    }
+
+    /// [`Search::trig`]: its two roots meet where a² + b² = c².
+    #[inline]
+    pub fn trig(&mut self, step: Step, a: S, b: S, c: S) -> Roots<S> {
+        let off = self.begin(step);
+        let (square, inside) = (a * a + b * b, c * c);
+        let rest = square - inside;
+        let margin = S::from_f64(MARGIN) * off;
+        if rest > S::ZERO && rest * rest > margin * margin * square {
+            let root = rest.sqrt();
+            self.end(step, off / root);
+            return super::trigonometric::both(a, b, c, root, S::ONE / square);
+        }
+        self.trig_at_fold(step, [a, b, c], off)
+    }
+
+    /// [`Near::trig`] where there is one root, or none.
+    #[cold]
+    #[inline(never)]
+    fn trig_at_fold(&mut self, step: Step, [a, b, c]: [S; 3], off: S) -> Roots<S> {
+        let h = (a * a + b * b).sqrt();
+        let excess = c.abs() - h;
+        if excess > off && off.is_finite() {
+            return self.search.unreachable_by(step, excess, h);
+        }
+        if !(h > S::from_f64(MARGIN) * off) || self.folds != 0 {
+            return self.doubt();
+        }
+        self.folds |= super::bit(step);
+        // cos(x) = 1 - excess / h, and that is off by off / h.
+        let far = (S::TWO * (excess.abs() + S::TWO * off) / h).sqrt();
+        self.end(step, far);
+        let size = if c < S::ZERO { -h } else { h };
+        Roots::one(Root::Angle { sin: b / size, cos: a / size })
+    }
+
+    /// [`Search::trig_unit`]: its two roots meet where d and e vanish.
+    #[inline]
+    pub fn trig_unit(&mut self, step: Step, [a, b, c]: [S; 3], [d, e]: [S; 2]) -> Roots<S> {
+        let off = self.begin(step);
+        let rest = d * d + e * e;
+        let margin = S::from_f64(MARGIN) * off;
+        if !(rest > margin * margin) {
+            return self.doubt();
+        }
+        self.end(step, off);
+        let unit = S::ONE / (rest + c * c);
+        let root = unit.sqrt();
+        super::trigonometric::both(a, b, c * root, rest.sqrt() * root, S::ONE)
+    }
+
+    /// [`Search::trig_pair`]: it has no root where the rows are one, or vanish.
+    #[inline]
+    pub fn trig_pair(&mut self, step: Step, first: [S; 3], second: [S; 3]) -> Roots<S> {
+        let off = self.begin(step);
+        let ([a1, b1, c1], [a2, b2, c2]) = (first, second);
+        let determinant = a1 * b2 - a2 * b1;
+        let (h1, h2) = (a1 * a1 + b1 * b1, a2 * a2 + b2 * b2);
+        let h = if h1 > h2 { h1 } else { h2 };
+        let inverse = S::ONE / determinant;
+        let by = off * h.sqrt() * inverse.abs();
+        if !(by < S::from_f64(UNSURE)) {
+            return self.doubt();
+        }
+        let (cos, sin) = ((c1 * b2 - c2 * b1) * inverse, (a1 * c2 - a2 * c1) * inverse);
+        let square = cos * cos + sin * sin;
+        let length = square.sqrt();
+        let miss = (length - S::ONE).abs();
+        self.end(step, by);
+        if miss > S::from_f64(MARGIN) * by {
+            return self.search.unreachable_by(step, miss * h.sqrt(), h.sqrt());
+        }
+        let unit = S::ONE / length;
+        Roots::one(Root::Angle { sin: sin * unit, cos: cos * unit })
+    }
+
+    /// [`Search::linear`]: it has no root where a vanishes.
+    pub fn linear(&mut self, step: Step, a: S, c: S) -> Roots<S> {
+        let off = self.begin(step);
+        let unit = if step.prismatic { self.search.reach } else { S::ONE };
+        let slope = (a * unit).abs();
+        if !(slope > S::from_f64(MARGIN) * off) {
+            return self.doubt();
+        }
+        let root = c / a;
+        self.end(step, off * (S::ONE + (root / unit).abs()) / slope);
+        Roots::one(Root::Value(root))
+    }
+
+    /// [`Search::quadratic`]: its two roots meet where b² = 4 a c.
+    pub fn quadratic(&mut self, step: Step, a: S, b: S, c: S) -> Roots<S> {
+        let off = self.begin(step);
+        let unit = if step.prismatic { self.search.reach } else { S::ONE };
+        let (a, half) = (a * unit * unit, b * unit / S::TWO);
+        let (square, product) = (half * half, a * c);
+        let rest = square - product;
+        let size = half.abs() + a.abs() + c.abs();
+        if !(rest.abs() > S::from_f64(MARGIN) * off * size && a.abs() > S::from_f64(MARGIN) * off) {
+            return self.doubt();
+        }
+        if rest < S::ZERO {
+            let excess = (product.sqrt() - half.abs()) / a.abs();
+            return self.search.unreachable_by(step, excess * unit, S::ONE);
+        }
+        let root = rest.sqrt();
+        let greater = if half < S::ZERO { root - half } else { -(half + root) };
+        let (first, second) = (greater / a, c / greater);
+        let far = first.abs().max(second.abs()).max(S::ONE);
+        self.end(step, off * far * far / root);
+        Roots::two(Root::Value(first * unit), Root::Value(second * unit))
+    }
+
+    /// The next root (rad or m) to go on with.
+    #[inline]
+    pub fn next(&mut self, roots: &mut Roots<S>) -> Option<S> {
+        if self.doubtful { None } else { self.search.next(roots) }
+    }
+
+    /// The same for an angle (rad), with its sine and cosine.
+    #[inline]
+    pub fn next_angle(&mut self, roots: &mut Roots<S>) -> Option<(S, S, S)> {
+        if self.doubtful { None } else { self.search.next_angle(roots) }
+    }
+
+    /// A solution of the arm that was meant, with its tool frame there: brought to the target by Newton's method on the arm
+    /// as it is, of which `pose_and_jacobian` is the tool frame with the columns of the Jacobian.
+    pub fn accept_pose(
+        &mut self,
+        q: [S; N],
+        tool: &Frame<S>,
+        target: &Frame<S>,
+        pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+    ) {
+        if self.doubtful {
+            return;
+        }
+        let position_error = norm(sub(tool.translation, target.translation));
+        let rotation_error = rotation_error(&target.rotation, &tool.rotation);
+        if self.folds != 0 {
+            self.accept_fold(q, target, pose_and_jacobian);
+            return;
+        }
+        let miss = (position_error / self.search.reach).max(rotation_error);
+        if !(miss <= S::from_f64(MET) * S::EPSILON) {
+            // A false root of a squared equation; of one that nearly is none, nothing is known.
+            let most = self.off.iter().fold(S::ZERO, |most, off| if *off > most { *off } else { most });
+            self.doubtful |= !(miss > S::from_f64(MARGIN) * most);
+            self.search.accept(q, position_error, rotation_error);
+            return;
+        }
+        let reach = self.search.reach;
+        match newton::solve(q, &self.unknowns, target, reach, pose_and_jacobian) {
+            Some(found) => self.add(found),
+            None => self.doubtful = true,
+        }
+    }
+
+    /// A candidate on whose way two roots may have met.
+    #[cold]
+    #[inline(never)]
+    fn accept_fold(
+        &mut self,
+        q: [S; N],
+        target: &Frame<S>,
+        pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+    ) {
+        let far = self.off.get(self.folds.trailing_zeros() as usize).copied().unwrap_or(S::INFINITY);
+        let reach = self.search.reach;
+        match fold::solve(q, &self.unknowns, target, reach, far, pose_and_jacobian) {
+            Some(both) => both.into_iter().flatten().for_each(|found| self.add(found)),
+            None => self.doubtful = true,
+        }
+    }
+
+    fn add(&mut self, found: Polished<N, S>) {
+        let mut q = found.q;
+        crate::rules::wrap_all(self.search.windings, &mut q);
+        let solution = Solution {
+            q,
+            position_error: found.position_error,
+            rotation_error: found.rotation_error,
+            free: None,
+        };
+        // Two that have become one: another was lost.
+        self.doubtful |= !self.search.solutions.append_new(solution, self.search.windings);
+    }
+
+    /// What was found, or that there is nothing to be found; `None` where that is not sure.
+    #[inline]
+    pub fn finish(self) -> Option<Result<Solutions<N, S>, IkError<S>>> {
+        if self.doubtful { None } else { Some(self.search.finish()) }
+    }
+}

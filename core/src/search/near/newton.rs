@@ -1,0 +1,143 @@
+//! Newton's method on all six coordinates of a pose, where it converges at once.
+
+use super::UNKNOWNS;
+use crate::frame::{norm, sub};
+use crate::polish::{Polished, turn};
+use crate::{Float, Frame};
+
+/// Steps at most. The error is squared with each.
+const STEPS: usize = 8;
+
+/// An error of this many machine epsilons (reaches, rad) is what rounding leaves.
+const ROUNDING: f64 = 16.0;
+
+/// An error of this many machine epsilons that a step didn't make much smaller is rounding, too.
+const SMALL: f64 = 1024.0;
+
+/// A step that leaves more of the error than this is one of a method that isn't near a solution.
+const CONVERGES: f64 = 0.25;
+
+/// Joint values brought to a pose, or `None` where that is not a matter of a few steps.
+///
+/// Where the first step is short beside what the Jacobian needs to become singular, there is one solution near the
+/// start, and the error is squared with every step \[Kantorovich; Ortega and Rheinboldt, Iterative Solution of Nonlinear
+/// Equations, §12.6\].
+pub(super) fn solve<const N: usize, S: Float>(
+    start: [S; N],
+    unknowns: &[usize; UNKNOWNS],
+    target: &Frame<S>,
+    reach: S,
+    mut pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+) -> Option<Polished<N, S>> {
+    let mut q = start;
+    let mut last = S::INFINITY;
+    for _ in 0..STEPS {
+        let (tool, jacobian) = pose_and_jacobian(&q);
+        let mut at = Equations::new(unknowns, &tool, &jacobian, target, reach)?;
+        let error = (at.position_error / reach).max(at.rotation_error);
+        let rounding = S::from_f64(ROUNDING) * S::EPSILON;
+        let small = S::from_f64(SMALL) * S::EPSILON;
+        let slow = error > S::from_f64(CONVERGES) * last;
+        if error <= rounding || (error <= small && slow) {
+            return Some(Polished { q, position_error: at.position_error, rotation_error: at.rotation_error });
+        }
+        if slow || error.is_nan() {
+            return None;
+        }
+        last = error;
+        for (joint, change) in unknowns.iter().zip(at.solution()) {
+            *q.get_mut(*joint)? += change;
+        }
+    }
+    None
+}
+
+/// What is missing of a pose, and the change of joint values that makes up for it.
+pub(super) struct Equations<S> {
+    /// Columns of the Jacobian, and what is missing: reaches, then rad.
+    pub(super) rows: [[S; UNKNOWNS + 1]; UNKNOWNS],
+    /// m
+    pub(super) position_error: S,
+    /// rad
+    pub(super) rotation_error: S,
+}
+
+impl<S: Float> Equations<S> {
+    /// At a tool frame with its Jacobian.
+    #[inline]
+    pub(super) fn new(
+        unknowns: &[usize; UNKNOWNS],
+        tool: &Frame<S>,
+        jacobian: &[[S; 6]],
+        target: &Frame<S>,
+        reach: S,
+    ) -> Option<Self> {
+        let per_reach = S::ONE / reach;
+        let away = sub(target.translation, tool.translation);
+        let turned = turn(tool, target);
+        let [px, py, pz] = away.map(|x| x * per_reach);
+        let [wx, wy, wz] = turned;
+        let mut rows = [px, py, pz, wx, wy, wz].map(|missing| {
+            let mut row = [S::ZERO; UNKNOWNS + 1];
+            row[UNKNOWNS] = missing;
+            row
+        });
+        for (place, joint) in unknowns.iter().enumerate() {
+            let [vx, vy, vz, wx, wy, wz] = *jacobian.get(*joint)?;
+            let column = [vx * per_reach, vy * per_reach, vz * per_reach, wx, wy, wz];
+            for (row, entry) in rows.iter_mut().zip(column) {
+                row[place] = entry;
+            }
+        }
+        Some(Self { rows, position_error: norm(away), rotation_error: norm(turned) })
+    }
+
+    /// By Gaussian elimination with partial pivoting; not finite where the equations are singular.
+    #[inline]
+    fn solution(&mut self) -> [S; UNKNOWNS] {
+        let a = &mut self.rows;
+        for k in 0..UNKNOWNS {
+            let mut best = k;
+            for r in k + 1..UNKNOWNS {
+                if a[r][k].abs() > a[best][k].abs() {
+                    best = r;
+                }
+            }
+            a.swap(k, best);
+            eliminate(a, k);
+        }
+        substitute(a, UNKNOWNS, UNKNOWNS)
+    }
+}
+
+/// Takes the unknown of column `k` out of the rows below row `k`.
+#[inline]
+pub(super) fn eliminate<S: Float>(a: &mut [[S; UNKNOWNS + 1]; UNKNOWNS], k: usize) {
+    let top = a[k];
+    let inverse = S::ONE / top[k];
+    for row in a.iter_mut().skip(k + 1) {
+        let factor = row[k] * inverse;
+        for (value, from) in row.iter_mut().zip(top).skip(k + 1) {
+            *value -= factor * from;
+        }
+    }
+}
+
+/// The first `count` unknowns of equations that were brought to triangular form, by the right-hand sides of a column; 0
+/// for the others.
+#[inline]
+pub(super) fn substitute<S: Float>(
+    a: &[[S; UNKNOWNS + 1]; UNKNOWNS],
+    count: usize,
+    column: usize,
+) -> [S; UNKNOWNS] {
+    let mut x = [S::ZERO; UNKNOWNS];
+    for k in (0..count).rev() {
+        let mut value = a[k][column];
+        for j in k + 1..count {
+            value -= a[k][j] * x[j];
+        }
+        x[k] = value / a[k][k];
+    }
+    x
+}
