@@ -15,7 +15,7 @@ use dh_core::{Frame, rotation_error};
 const SAMPLES: usize = 256;
 
 /// What a greatest value over some joint vectors is multiplied by, for those in between.
-const BETWEEN: f64 = 1.5;
+const BETWEEN: f64 = 1.2;
 
 /// The full pose by the nearly special arm's nominal one; `None` where there is none, or none with a closed form.
 pub(super) fn full_pose(model: &Model, constants: &mut Constants) -> Option<Function> {
@@ -58,11 +58,7 @@ fn function(
     let otherwise = general::function(model, index, problem).ok()?;
     let mut function = inverse::function(index, problem, derivation, true, constants);
     let deviation = deviation(model, nominal);
-    let mut gains = gains::of(nominal, &function, &constants.values())?;
-    for row in &mut gains {
-        row.iter_mut().for_each(|gain| *gain *= BETWEEN);
-        row.iter_mut().take(1).for_each(|gain| *gain *= deviation);
-    }
+    let gains = gains::of(model, nominal, &function, &constants.values(), deviation)?;
     let nearly = Nearly { unknowns: unknowns.try_into().ok()?, gains: gains.concat() };
     let behind = Behind {
         inputs: function.inputs,

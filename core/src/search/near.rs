@@ -9,6 +9,8 @@
 mod fold;
 mod newton;
 
+pub static COUNTS: [core::sync::atomic::AtomicUsize; 128] = [const { core::sync::atomic::AtomicUsize::new(0) }; 128];
+fn note(k: usize) { COUNTS[k].fetch_add(1, core::sync::atomic::Ordering::Relaxed); }
 use super::roots::Root;
 use super::{Roots, Search};
 use crate::frame::{norm, sub};
@@ -49,7 +51,10 @@ const STEPS: usize = 16;
 const MARGIN: f64 = 4.0;
 
 /// Two rows have one direction more surely than two where what they are off by turns it by this much (rad).
-const UNSURE: f64 = 0.125;
+const UNSURE: f64 = 0.4;
+
+/// Cosine and sine that are off the unit circle by more than this belong to no root.
+const FALSE: f64 = 0.25;
 
 /// An error (reaches, rad) of so many machine epsilons of the target is none: it comes of rounding in the closed form.
 const MET: f64 = 1e6;
@@ -94,7 +99,8 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     }
 
     #[cold]
-    fn doubt(&mut self) -> Roots<S> {
+    fn doubt(&mut self, why: usize, step: Step) -> Roots<S> {
+        if !self.doubtful { note(why*8 + usize::from(step.index)); }
         self.doubtful = true;
         Roots::NONE
     }
@@ -124,7 +130,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             return self.search.unreachable_by(step, excess, h);
         }
         if !(h > S::from_f64(MARGIN) * off) || self.folds != 0 {
-            return self.doubt();
+            return self.doubt(1, step);
         }
         self.folds |= super::bit(step);
         // cos(x) = 1 - excess / h, and that is off by off / h.
@@ -141,7 +147,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let rest = d * d + e * e;
         let margin = S::from_f64(MARGIN) * off;
         if !(rest > margin * margin) {
-            return self.doubt();
+            return self.doubt(2, step);
         }
         self.end(step, off);
         let unit = S::ONE / (rest + c * c);
@@ -159,16 +165,19 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let h = if h1 > h2 { h1 } else { h2 };
         let inverse = S::ONE / determinant;
         let by = off * h.sqrt() * inverse.abs();
-        if !(by < S::from_f64(UNSURE)) {
-            return self.doubt();
+        if !(by < S::from_f64(UNSURE)) && !(self.folds != 0 && by < S::from_f64(0.8)) {
+            return self.doubt(3, step);
         }
         let (cos, sin) = ((c1 * b2 - c2 * b1) * inverse, (a1 * c2 - a2 * c1) * inverse);
         let square = cos * cos + sin * sin;
         let length = square.sqrt();
         let miss = (length - S::ONE).abs();
         self.end(step, by);
-        if miss > S::from_f64(MARGIN) * by {
+        if miss > S::from_f64(FALSE) && self.folds == 0 {
             return self.search.unreachable_by(step, miss * h.sqrt(), h.sqrt());
+        }
+        if miss > S::from_f64(MET) * S::EPSILON && self.folds == 0 {
+            return self.doubt(6, step);
         }
         let unit = S::ONE / length;
         Roots::one(Root::Angle { sin: sin * unit, cos: cos * unit })
@@ -180,7 +189,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let unit = if step.prismatic { self.search.reach } else { S::ONE };
         let slope = (a * unit).abs();
         if !(slope > S::from_f64(MARGIN) * off) {
-            return self.doubt();
+            return self.doubt(4, step);
         }
         let root = c / a;
         self.end(step, off * (S::ONE + (root / unit).abs()) / slope);
@@ -196,7 +205,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let rest = square - product;
         let size = half.abs() + a.abs() + c.abs();
         if !(rest.abs() > S::from_f64(MARGIN) * off * size && a.abs() > S::from_f64(MARGIN) * off) {
-            return self.doubt();
+            return self.doubt(5, step);
         }
         if rest < S::ZERO {
             let excess = (product.sqrt() - half.abs()) / a.abs();
@@ -251,7 +260,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let reach = self.search.reach;
         match newton::solve(q, &self.unknowns, target, reach, pose_and_jacobian) {
             Some(found) => self.add(found),
-            None => self.doubtful = true,
+            None => {note(80); self.doubtful = true},
         }
     }
 
@@ -267,8 +276,8 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let far = self.off.get(self.folds.trailing_zeros() as usize).copied().unwrap_or(S::INFINITY);
         let reach = self.search.reach;
         match fold::solve(q, &self.unknowns, target, reach, far, pose_and_jacobian) {
-            Some(both) => both.into_iter().flatten().for_each(|found| self.add(found)),
-            None => self.doubtful = true,
+            Some(both) => { note(if both.is_some() {90} else {91}); both.into_iter().flatten().for_each(|found| self.add(found))},
+            None => {note(81); self.doubtful = true},
         }
     }
 
@@ -282,7 +291,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             free: None,
         };
         // Two that have become one: another was lost.
-        self.doubtful |= !self.search.solutions.append_new(solution, self.search.windings);
+        let before=self.doubtful; self.doubtful |= !self.search.solutions.append_new(solution, self.search.windings); if !before && self.doubtful { note(82); }
     }
 
     /// What was found, or that there is nothing to be found; `None` where that is not sure.

@@ -49,10 +49,28 @@ impl Model {
                 make_meet(&mut model, &geometry, relation);
             }
         }
+        straighten(&mut model, &geometry, self.reach());
         let after = model.geometry();
         let gained = after.exact().count() > geometry.exact().count();
         let changes = changes(&self.rows, &model.rows);
         gained.then_some(Nominal { model, geometry: after, changes })
+    }
+}
+
+/// Twists that are no farther from a multiple of 15 degrees than other numbers are from what was meant become one.
+fn straighten(model: &mut Model, geometry: &Geometry, reach: f64) {
+    let off = |relation: &Relation| match relation.kind {
+        RelationKind::Parallel => relation.off,
+        _ => relation.off / if reach > 0.0 { reach } else { 1.0 },
+    };
+    let most = geometry.near().map(off).fold(0.0, f64::max);
+    for row in &mut model.rows {
+        for angle in [&mut row.alpha, &mut row.beta] {
+            let straight = straightened(*angle);
+            if (angle.value - straight.value).abs() <= most {
+                *angle = straight;
+            }
+        }
     }
 }
 

@@ -4,13 +4,78 @@ use super::super::{Equation, Function, Measure, Scalar, Step, ValueId};
 use super::{SAMPLES, frame, joint_vector};
 use crate::model::{JointKind, Model, product};
 use dh_core::{Frame, Search};
+use std::f64::consts::TAU;
+
+/// What a greatest value over some joint vectors is multiplied by, for those in between.
+const SAFETY: f64 = 2.0;
 
 /// Change (rad, reaches) of a target or of an unknown in the quotients of differences.
 const DIFFERENCE: f64 = 1e-6;
 
 /// The greatest gains of a closed form's steps: row k has that of the target (rad, reaches), then those of the unknowns of
 /// steps 0 ... k - 1 (rad, reaches). Equations are in the size of their terms. `None` where it is never solved.
-pub(super) fn of(nominal: &Model, function: &Function, constants: &[f64]) -> Option<Vec<Vec<f64>>> {
+pub(super) fn of(
+    model: &Model,
+    nominal: &Model,
+    function: &Function,
+    constants: &[f64],
+    deviation: f64,
+) -> Option<Vec<Vec<f64>>> {
+    let mut gains = greatest(nominal, function, constants)?;
+    for row in &mut gains {
+        row.iter_mut().take(1).for_each(|gain| *gain *= deviation);
+    }
+    for stage in 0..gains.len() {
+        let share = share(model, nominal, function, constants, &gains, stage);
+        gains.get_mut(stage).into_iter().flatten().for_each(|gain| *gain *= share);
+    }
+    Some(gains)
+}
+
+/// What of the sum of all gains a step is off by, at most, at joint values of the arm as it is: what one unknown is off by
+/// hides what another is.
+fn share(
+    model: &Model,
+    nominal: &Model,
+    function: &Function,
+    constants: &[f64],
+    gains: &[Vec<f64>],
+    stage: usize,
+) -> f64 {
+    let mut most = 0.0_f64;
+    for sample in 0..SAMPLES {
+        let q = joint_vector(nominal, sample);
+        let given: Vec<f64> = function.free.iter().filter_map(|joint| q.get(*joint).copied()).collect();
+        let branch = Branch { nominal, function, constants, given };
+        let of = |model: &Model, q: &[f64]| frame(&product::frames(model, q).tool);
+        // Joint values of some branch, which are those of the arm as it is for another target.
+        let Some(exact) = branch.roots(&of(nominal, &q), |stage, _| sample >> stage & 1) else { continue };
+        let target = of(model, &branch.joints(&of(nominal, &q), &exact));
+        let near = |stage: usize, list: &[f64]| {
+            let wanted = exact.get(stage).copied().unwrap_or(0.0);
+            let apart = |root: &f64| wrapped(root - wanted).abs();
+            let nearest = (0..list.len()).min_by(|a, b| apart(&list[*a]).total_cmp(&apart(&list[*b])));
+            nearest.unwrap_or(0)
+        };
+        let Some(roots) = branch.roots(&target, near) else { continue };
+        let mut mixed = roots;
+        if let (Some(root), Some(exact)) = (mixed.get_mut(stage), exact.get(stage)) {
+            *root = *exact;
+        }
+        let Some(bound) = branch.bound(&target, &mixed, gains, stage) else { continue };
+        let left = branch.left(&target, &mixed).get(stage).copied().unwrap_or(0.0);
+        most = most.max(left.abs() / bound);
+    }
+    (SAFETY * most).min(1.0)
+}
+
+/// In -pi ... pi.
+fn wrapped(angle: f64) -> f64 {
+    angle - TAU * libm::round(angle / TAU)
+}
+
+/// The greatest changes of equations with target and unknowns.
+fn greatest(nominal: &Model, function: &Function, constants: &[f64]) -> Option<Vec<Vec<f64>>> {
     let stages = function.stages.len();
     let mut gains: Vec<Vec<f64>> = (0..stages).map(|stage| vec![0.0; stage + 1]).collect();
     let mut solved = 0;
@@ -19,7 +84,7 @@ pub(super) fn of(nominal: &Model, function: &Function, constants: &[f64]) -> Opt
         let target = frame(&product::frames(nominal, &q).tool);
         let given: Vec<f64> = function.free.iter().filter_map(|joint| q.get(*joint).copied()).collect();
         let branch = Branch { nominal, function, constants, given };
-        let Some(roots) = branch.roots(&target, sample) else { continue };
+        let Some(roots) = branch.roots(&target, |stage, _| sample >> stage & 1) else { continue };
         solved += 1;
         let reach = branch.reach();
         let at = branch.left(&target, &roots);
@@ -61,15 +126,8 @@ fn greater(entry: Option<&mut f64>, value: f64) {
 }
 
 /// By how much the equations of all steps have changed, over the difference.
-fn changes(before: &[Vec<f64>], after: &[Vec<f64>]) -> Vec<f64> {
-    before
-        .iter()
-        .zip(after)
-        .map(|(before, after)| {
-            let squares = before.iter().zip(after).map(|(a, b)| (a - b) * (a - b));
-            squares.sum::<f64>().sqrt() / DIFFERENCE
-        })
-        .collect()
+fn changes(before: &[f64], after: &[f64]) -> Vec<f64> {
+    before.iter().zip(after).map(|(before, after)| (after - before).abs() / DIFFERENCE).collect()
 }
 
 /// One way through the steps.
@@ -92,8 +150,8 @@ impl Branch<'_> {
         row.is_some_and(|row| row.kind == JointKind::Prismatic)
     }
 
-    /// Roots of all steps; which of two, the bits of a number say.
-    fn roots(&self, target: &Frame, choice: usize) -> Option<Vec<f64>> {
+    /// Roots of all steps; which of a list, a function says.
+    fn roots(&self, target: &Frame, choice: impl Fn(usize, &[f64]) -> usize) -> Option<Vec<f64>> {
         let mut roots = Vec::new();
         let mut found = true;
         self.walk(target, |stage, equation, value| {
@@ -112,7 +170,7 @@ impl Branch<'_> {
                 Equation::Quadratic { a, b, c } => search.quadratic(step, number(a), number(b), number(c)),
             };
             let list: Vec<f64> = all.into_iter().collect();
-            let root = list.get((choice >> stage & 1) % list.len().max(1)).copied();
+            let root = list.get(choice(stage, &list) % list.len().max(1)).copied();
             found &= root.is_some();
             roots.push(root.unwrap_or(0.0));
             root.unwrap_or(0.0)
@@ -121,29 +179,98 @@ impl Branch<'_> {
     }
 
     /// What the equation of each step is at these roots, in the size of its terms.
-    fn left(&self, target: &Frame, roots: &[f64]) -> Vec<Vec<f64>> {
+    fn left(&self, target: &Frame, roots: &[f64]) -> Vec<f64> {
         let mut left = Vec::new();
         self.walk(target, |stage, equation, value| {
             let x = roots.get(stage).copied().unwrap_or(0.0);
-            let size = match self.function.stages.get(stage).map(|stage| stage.measure) {
-                Some(Measure::Length) => self.reach(),
-                Some(Measure::Area) => self.reach() * self.reach(),
-                _ => 1.0,
-            };
+            let size = self.size(stage);
             let (s, c) = libm::sincos(x);
             let trig = |[a, b, right]: [&Scalar; 3]| value(a) * c + value(b) * s - value(right);
-            let values = match equation {
-                Equation::Trig { a, b, c } => vec![trig([a, b, c])],
-                Equation::TrigPair { first, second } => vec![trig(first.each_ref()), trig(second.each_ref())],
-                // A unit vector whose part along an axis is c: the angle is off by what its direction is.
-                Equation::TrigUnit { row, others } => row.iter().chain(others).map(value).collect(),
-                Equation::Linear { a, c } => vec![value(a) * x - value(c)],
-                Equation::Quadratic { a, b, c } => vec![(value(a) * x + value(b)) * x + value(c)],
-            };
-            left.push(values.into_iter().map(|value| value / size).collect());
+            left.push(size.recip() * match equation {
+                Equation::Trig { a, b, c } => trig([a, b, c]),
+                Equation::TrigPair { first, second } => {
+                    // What is off along the rows' own angle; rows of another size have the same root.
+                    let [a, b, d, e] = [&first[0], &first[1], &second[0], &second[1]].map(value);
+                    let [one, other] = [trig(first.each_ref()), trig(second.each_ref())];
+                    let cos = one * e - other * b;
+                    let sin = other * a - one * d;
+                    (c * sin - s * cos) / a.hypot(b).max(d.hypot(e))
+                }
+                // The angle between an axis and a unit vector whose part along it is c.
+                Equation::TrigUnit { row: [a, b, c], others: [d, e] } => {
+                    let [a, b, c, d, e] = [a, b, c, d, e].map(value);
+                    let between = libm::atan2(d.hypot(e), c);
+                    let to = libm::atan2(b, a);
+                    let away = x - to;
+                    wrapped(away).abs() - between
+                }
+                Equation::Linear { a, c } => value(a) * x - value(c),
+                Equation::Quadratic { a, b, c } => (value(a) * x + value(b)) * x + value(c),
+            });
             x
         });
         left
+    }
+
+    /// Joint values by the roots of all steps.
+    fn joints(&self, target: &Frame, roots: &[f64]) -> Vec<f64> {
+        let mut q = Vec::new();
+        let values = self.walk(target, |stage, _, _| roots.get(stage).copied().unwrap_or(0.0));
+        let mut steps = self.function.steps.as_slice();
+        while let Some(last) = steps.last() {
+            match last {
+                Step::Solve { body, .. } => steps = body,
+                Step::Accept { q: joints, .. } => {
+                    q = joints.iter().map(|joint| self.value(joint, &values)).collect();
+                    break;
+                }
+                _ => break,
+            }
+        }
+        q
+    }
+
+    /// What gains say of a step at these roots: how far it may be off. `None` next to a singular condition.
+    fn bound(&self, target: &Frame, roots: &[f64], gains: &[Vec<f64>], last: usize) -> Option<f64> {
+        let mut off: Vec<f64> = Vec::new();
+        let mut bounds = Vec::new();
+        self.walk(target, |stage, equation, value| {
+            let size = self.size(stage);
+            let row = gains.get(stage).map_or(&[][..], Vec::as_slice);
+            let (first, others) = row.split_first().unwrap_or((&0.0, &[]));
+            let bound = first + others.iter().zip(&off).map(|(gain, off)| gain * off).sum::<f64>();
+            let sensitivity = match equation {
+                Equation::Trig { a, b, c } => {
+                    let [a, b, c] = [a, b, c].map(value);
+                    size / (a * a + b * b - c * c).max(0.0).sqrt()
+                }
+                Equation::TrigUnit { .. } => 1.0,
+                Equation::TrigPair { first, second } => {
+                    let [a, b, d, e] = [&first[0], &first[1], &second[0], &second[1]].map(value);
+                    size * a.hypot(b).max(d.hypot(e)) / (a * e - b * d).abs()
+                }
+                Equation::Linear { a, .. } => size / value(a).abs(),
+                Equation::Quadratic { a, b, c } => {
+                    let [a, b, c] = [a, b, c].map(value);
+                    size / (b * b - 4.0 * a * c).max(0.0).sqrt()
+                }
+            };
+            let unit = if self.slides(stage) { self.reach() } else { 1.0 };
+            off.push(bound * sensitivity / unit);
+            bounds.push(bound);
+            roots.get(stage).copied().unwrap_or(0.0)
+        });
+        let regular = off.iter().take(last + 1).all(|off| *off < 0.1);
+        bounds.get(last).copied().filter(|bound| regular && *bound > 0.0)
+    }
+
+    /// Of the terms of a step's equation.
+    fn size(&self, stage: usize) -> f64 {
+        match self.function.stages.get(stage).map(|stage| stage.measure) {
+            Some(Measure::Length) => self.reach(),
+            Some(Measure::Area) => self.reach() * self.reach(),
+            _ => 1.0,
+        }
     }
 
     fn step(&self, stage: usize) -> dh_core::Step {
@@ -155,8 +282,12 @@ impl Branch<'_> {
         dh_core::Step::new(0, 1, self.slides(stage), measure)
     }
 
-    /// Goes through the steps; each equation is asked for the root to go on with.
-    fn walk(&self, target: &Frame, mut root: impl FnMut(usize, &Equation, &dyn Fn(&Scalar) -> f64) -> f64) {
+    /// Goes through the steps; each equation is asked for the root to go on with. Returns all values.
+    fn walk(
+        &self,
+        target: &Frame,
+        mut root: impl FnMut(usize, &Equation, &dyn Fn(&Scalar) -> f64) -> f64,
+    ) -> Vec<f64> {
         let mut values = vec![0.0; self.function.values.len()];
         let inputs = target.rows().into_iter().chain(self.given.iter().copied());
         values.iter_mut().zip(inputs).for_each(|(value, input)| *value = input);
@@ -164,7 +295,7 @@ impl Branch<'_> {
         let mut open = Vec::new();
         loop {
             let Some((step, rest)) = steps.split_first() else {
-                let Some(next) = open.pop() else { return };
+                let Some(next) = open.pop() else { return values };
                 steps = next;
                 continue;
             };
