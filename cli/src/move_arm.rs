@@ -15,7 +15,7 @@ use std::io::Write;
 /// it holds. It holds, too, when the command is over.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = EXAMPLES)]
-#[allow(clippy::struct_excessive_bools, reason = "each is a flag")]
+#[allow(clippy::struct_excessive_bools, reason = "flags of a command line, each independent of the others")]
 pub(crate) struct Arguments {
     /// A table file, or the name of a shipped table.
     table: String,

@@ -10,20 +10,27 @@ use serde_json::Value;
 use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A simulated device; it ends with its test.
 struct Sim {
     child: Child,
     port: String,
+    _alone: MutexGuard<'static, ()>,
 }
+
+/// Devices run in real time, and so do those who wait for them: one at a time has the processor.
+static ALONE: Mutex<()> = Mutex::new(());
 
 impl Sim {
     fn of(table: &str) -> Self {
+        // A test that failed leaves nothing behind that the next one could be harmed by.
+        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         let mut child = command(&format!("sim {table}")).stderr(Stdio::inherit()).spawn().unwrap();
         let mut line = String::new();
         BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
         let port = serde_json::from_str::<Value>(&line).unwrap()["port"].as_str().unwrap().to_owned();
-        Self { child, port }
+        Self { child, port, _alone: alone }
     }
 
     /// What `dhc read --json` says of the joints.

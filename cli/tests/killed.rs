@@ -59,6 +59,7 @@ fn a_killed_program_leaves_the_arm_stopped() {
         (2060..3340).contains(&stopped[0]) && (756..2036).contains(&stopped[1]),
         "on the way: {stopped:?}"
     );
+    // At its speed it would be some 60 ticks further on.
     sleep(Duration::from_millis(500));
     assert_eq!(read(&mut bus, &PRESENT_POSITION), stopped, "it stays");
     // Goals are refused until somebody has seen to it.

@@ -39,16 +39,25 @@ pub fn general(
     use crate::symbolic::{inverse_kinematics::Refusal, redundancy};
     if let Some(index) = problem {
         let entry = model.problems.get(index).ok_or(Refusal::NotByThisMethod)?;
-        return general::function(model, problem, entry);
+        return general::function(model, problem, entry).map(|rated| rated.function);
     }
     let excess = model.joints.len().saturating_sub(crate::model::Target::Pose.rows());
     let choices = if excess == 1 { redundancy::joints(model) } else { Vec::new() };
-    let mut choices = choices.into_iter().map(|joint| inverse::full_pose(vec![joint]));
+    let mut choices = choices.into_iter().take(CHOICES).map(|joint| inverse::full_pose(vec![joint]));
     let first = choices.next().unwrap_or_else(|| inverse::full_pose(Vec::new()));
-    choices.fold(general::function(model, None, &first), |found, other| {
-        found.or_else(|refusal| general::function(model, None, &other).map_err(|_| refusal))
-    })
+    let rated = choices.fold(general::function(model, None, &first), |found, other| {
+        match (found, general::function(model, None, &other)) {
+            (Ok(found), Ok(other)) if found.badness <= other.badness => Ok(found),
+            (found, Err(_)) => found,
+            (_, other) => other,
+        }
+    });
+    rated.map(|rated| rated.function)
 }
+
+/// How many joints of an arm with one too many are tried as the one that is given: those behind them hardly take part in
+/// the self-motion.
+const CHOICES: usize = 4;
 
 /// All functions of one robot.
 #[derive(Debug, Clone)]

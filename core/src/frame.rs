@@ -229,10 +229,14 @@ pub(crate) fn transpose<S: Float>(m: &[[S; 3]; 3]) -> [[S; 3]; 3] {
 }
 
 pub(crate) fn matrix_vector<S: Float>(m: &[[S; 3]; 3], v: [S; 3]) -> [S; 3] {
-    m.map(|row| dot(row, v))
+    let [a, b, c] = *m;
+    [dot(a, v), dot(b, v), dot(c, v)]
 }
 
 pub(crate) fn matrix_product<S: Float>(a: &[[S; 3]; 3], b: &[[S; 3]; 3]) -> [[S; 3]; 3] {
-    let columns = transpose(b);
-    a.map(|row| columns.map(|column| dot(row, column)))
+    // Written out: `map` of arrays is a call in optimised code.
+    let [x, y, z] = transpose(b);
+    let row = |own: [S; 3]| [dot(own, x), dot(own, y), dot(own, z)];
+    let [a, b, c] = *a;
+    [row(a), row(b), row(c)]
 }

@@ -18,10 +18,11 @@ mod circuit;
 mod jacobian;
 mod line;
 mod linear;
+mod newton;
 mod resultant;
 mod waves;
 
-use crate::polish::{Polished, polish};
+use crate::polish::polish;
 use crate::{Float, Frame};
 use circuit::Circuit;
 use resultant::Resultant;
@@ -158,8 +159,8 @@ pub struct Outcome {
 impl SixJoints<'_> {
     /// Hands every solution for a pose of the tip to `found`, some of them more than once.
     ///
-    /// Solutions are joint values (rad, m) with what is left of their errors.
-    pub fn solve(&self, pose: &Frame, mut found: impl FnMut(&Polished<JOINTS>)) -> Outcome {
+    /// Solutions are joint values (rad, m).
+    pub fn solve(&self, pose: &Frame, mut found: impl FnMut(&[f64; JOINTS])) -> Outcome {
         let mut outcome = Outcome::UNKNOWN;
         let (mut count, mut doubtful) = (0, self.charts.is_empty());
         for chart in self.charts {
@@ -182,15 +183,28 @@ impl SixJoints<'_> {
             for (size, side) in NEIGHBOURS {
                 let [x, y, z, roll, pitch, yaw] = side.map(|part| part * size);
                 let step = Frame::from_rpy([x, y, z].map(|length| length * self.reach), [roll, pitch, yaw]);
-                let from = self.solve_from(*chart, &pose.compose(&step), pose, &mut found);
+                let from = self.solve_from(*chart, &pose.compose(&step), pose, &mut |solution: &_| {
+                    count += 1;
+                    found(solution);
+                });
                 outcome = Outcome { doubtful: true, ..outcome.and(from) };
+            }
+        }
+        if count > 0 {
+            return outcome;
+        }
+        // At the edge of the workspace no neighbour may be attainable; there, Newton's method needs no polynomial.
+        let (scaled, target) = (self.scaled(), self.in_reaches(pose));
+        for start in starts() {
+            if let Some(solution) = scaled.nearby(&target, &start) {
+                found(&self.in_metres(solution));
             }
         }
         outcome
     }
 
     /// The same by one choice of joints.
-    pub fn solve_in(&self, chart: Chart, pose: &Frame, found: &mut impl FnMut(&Polished<JOINTS>)) -> Outcome {
+    pub fn solve_in(&self, chart: Chart, pose: &Frame, found: &mut impl FnMut(&[f64; JOINTS])) -> Outcome {
         self.solve_from(chart, pose, pose, found)
     }
 
@@ -200,7 +214,7 @@ impl SixJoints<'_> {
         chart: Chart,
         from: &Frame,
         pose: &Frame,
-        found: &mut impl FnMut(&Polished<JOINTS>),
+        found: &mut impl FnMut(&[f64; JOINTS]),
     ) -> Outcome {
         let scaled = self.scaled();
         let circuit = scaled.circuit(chart, &self.in_reaches(from));
@@ -216,42 +230,51 @@ impl SixJoints<'_> {
         let miss = if roots.as_slice().is_empty() { waves.miss(&roots) } else { 0.0 };
         let degenerate = noise > NOISE || resultant.pivot < PIVOT;
         let mut outcome = Outcome { doubtful: roots.doubtful || degenerate, miss, moved: 0.0 };
-        if roots.as_slice().is_empty() {
-            outcome.doubtful |= miss < NEARLY;
-        }
         let mut known = [[f64::NAN; JOINTS]; 2 * waves::MAX_ROOTS];
         let mut count = 0;
         for root in roots.as_slice() {
             let mut hit = false;
             for q in circuit.rest(resultant.others(*root)).iter().flatten() {
-                let exact = |q: &[f64; JOINTS]| jacobian::pose_and_jacobian(&scaled, q);
-                let mut solution = polish(*q, &target, 1.0, STEPS, exact);
-                if Float::max(solution.position_error, solution.rotation_error) > FOUND {
-                    continue;
-                }
-                let moved = solution.q.iter().zip(q).map(|(to, from)| libm::fabs(to - from));
+                let Some(solution) = scaled.nearby(&target, q) else { continue };
+                let moved = solution.iter().zip(q).map(|(to, from)| libm::fabs(to - from));
                 let moved = moved.fold(0.0, |most, x| if x > most { x } else { most });
                 outcome.moved = if moved > outcome.moved { moved } else { outcome.moved };
-                hit |= moved <= FAR;
-                if known.iter().take(count).any(|other| same(other, &solution.q, self.prismatic, SAME)) {
+                let unknown = |q: &[f64; JOINTS]| q.get(chart.unknown()).copied().unwrap_or(f64::NAN);
+                hit |= libm::fabs(unknown(&solution) - unknown(q)) <= FAR;
+                if known.iter().take(count).any(|other| same(other, &solution, self.prismatic, SAME)) {
                     // Two roots have gone to one solution: another may have none.
                     outcome.doubtful = true;
                 } else if let Some(place) = known.get_mut(count) {
-                    *place = solution.q;
+                    *place = solution;
                     count += 1;
                 }
-                for (value, slides) in solution.q.iter_mut().zip(self.prismatic) {
-                    if slides {
-                        *value *= self.reach;
-                    }
-                }
-                found(&solution);
+                found(&self.in_metres(solution));
             }
             outcome.doubtful |= !hit;
         }
         // Real solutions come and go in pairs.
         outcome.doubtful |= count % 2 == 1;
         outcome
+    }
+
+    /// The solution that Newton's method finds from joint values, all in reaches.
+    fn nearby(&self, target: &Frame, q: &[f64; JOINTS]) -> Option<[f64; JOINTS]> {
+        if let Some(solution) = newton::newton(self, target, q) {
+            return Some(solution);
+        }
+        let exact = |q: &[f64; JOINTS]| jacobian::pose_and_jacobian(self, q);
+        let solution = polish(*q, target, 1.0, STEPS, exact);
+        let error = Float::max(solution.position_error, solution.rotation_error);
+        (error <= FOUND).then_some(solution.q)
+    }
+
+    fn in_metres(&self, mut q: [f64; JOINTS]) -> [f64; JOINTS] {
+        for (value, slides) in q.iter_mut().zip(self.prismatic) {
+            if slides {
+                *value *= self.reach;
+            }
+        }
+        q
     }
 
     /// The tip at joint values (rad, m).
@@ -311,6 +334,22 @@ pub(crate) fn same(a: &[f64; JOINTS], b: &[f64; JOINTS], prismatic: [bool; JOINT
     })
 }
 
+/// How many places Newton's method is started from where the equations say little.
+const STARTS: u32 = 64;
+
+/// Joint values (rad, reaches) that fill the joint space evenly: multiples of the powers of 1/g, with g^7 = g + 1, that
+/// generalises the golden section \[Roberts 2018, The unreasonable effectiveness of quasirandom sequences\].
+fn starts() -> impl Iterator<Item = [f64; JOINTS]> {
+    const INVERSE: f64 = 0.898_653_712_628_699_3;
+    (1..=STARTS).map(|k| {
+        let mut power = f64::from(k);
+        [0; JOINTS].map(|_| {
+            power *= INVERSE;
+            core::f64::consts::TAU * (power - libm::floor(power) - 0.5)
+        })
+    })
+}
+
 /// Relative noise of the coefficients from which on nothing can be said of the roots.
 const USELESS: f64 = 1e-3;
 
@@ -341,9 +380,6 @@ const ASKEW: [f64; 6] = [-0.33, 0.58, 0.71, -0.67, 0.24, 0.49];
 /// A pivot this small beside the greatest says that the target makes equations dependent on each other, as those of a
 /// lattice do.
 const PIVOT: f64 = 1e-10;
-
-/// A polynomial without roots that comes as near to 0 as this, relative to its size, may have had some.
-const NEARLY: f64 = 1e-6;
 
 /// Relative noise of the coefficients from which on roots may have been lost.
 const NOISE: f64 = 1e-8;

@@ -178,8 +178,8 @@ impl CRX10iAL {
     ///
     /// ```text
     /// theta4:   a trigonometric polynomial of degree 8 in theta4 is 0
-    ///           (the line of axis theta5 seen from both sides; theta6 and theta1 eliminated from
-    ///           its 14 power products, theta2 and theta3 by a resultant; they and theta5 follow
+    ///           (the line of axis theta2 seen from both sides; theta1 and theta6 eliminated from
+    ///           its 14 power products, theta5 and theta3 by a resultant; they and theta2 follow
     ///           from each root)
     /// ```
     ///
@@ -546,8 +546,8 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
         given: &[],
         reach: 1.559_999_999_999_999_8,
         charts: &[
-            Chart::new(4, false, 2, true, true, 8),
             Chart::new(1, true, 1, true, true, 8),
+            Chart::new(4, false, 2, true, true, 8),
             Chart::new(4, false, 0, false, false, 8),
         ],
     };
@@ -556,8 +556,8 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
     let mut search = Search::new(REACH, &WINDINGS);
 
     // theta4: a trigonometric polynomial of degree 8 in theta4 is 0
-    // (the line of axis theta5 seen from both sides; theta6 and theta1 eliminated from its 14 power
-    // products, theta2 and theta3 by a resultant; they and theta5 follow from each root)
+    // (the line of axis theta2 seen from both sides; theta1 and theta6 eliminated from its 14 power
+    // products, theta5 and theta3 by a resultant; they and theta2 follow from each root)
     for [theta1, theta2, theta3, theta4, theta5, theta6] in
         search.general(THETA4, &CHAIN, &target, &[]) {
         let q = [

@@ -183,9 +183,9 @@ impl ManochaCanny6R {
     /// Solved one after the other:
     ///
     /// ```text
-    /// theta4:   a trigonometric polynomial of degree 12 in theta4 is 0
+    /// theta3:   a trigonometric polynomial of degree 12 in theta3 is 0
     ///           (the line of axis theta5 seen from both sides; theta6 and theta1 eliminated from
-    ///           its 14 power products, theta2 and theta3 by a resultant; they and theta5 follow
+    ///           its 14 power products, theta2 and theta4 by a resultant; they and theta5 follow
     ///           from each root)
     /// ```
     ///
@@ -623,7 +623,7 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 /// Every solution of the full pose.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
-    const THETA4: Step = Step::new(0, 0b11_1111, false, Measure::Ratio);
+    const THETA3: Step = Step::new(0, 0b11_1111, false, Measure::Ratio);
     #[rustfmt::skip]
     const CHAIN: GeneralArm<'static> = GeneralArm {
         // Rows of [R | p]: before the first joint, between the joints, after the last.
@@ -640,20 +640,19 @@ fn solve_pose(target: &Target) -> Result<Solutions<6>, IkError> {
         given: &[],
         reach: 3.0,
         charts: &[
-            Chart::new(4, false, 2, false, false, 12),
             Chart::new(4, false, 1, true, false, 12),
-            Chart::new(1, true, 1, false, false, 12),
+            Chart::new(4, false, 2, false, false, 12),
         ],
     };
 
     let target = target.validate_as(TargetKind::Pose)?;
     let mut search = Search::new(REACH, &WINDINGS);
 
-    // theta4: a trigonometric polynomial of degree 12 in theta4 is 0
+    // theta3: a trigonometric polynomial of degree 12 in theta3 is 0
     // (the line of axis theta5 seen from both sides; theta6 and theta1 eliminated from its 14 power
-    // products, theta2 and theta3 by a resultant; they and theta5 follow from each root)
+    // products, theta2 and theta4 by a resultant; they and theta5 follow from each root)
     for [theta1, theta2, theta3, theta4, theta5, theta6] in
-        search.general(THETA4, &CHAIN, &target, &[]) {
+        search.general(THETA3, &CHAIN, &target, &[]) {
         let q = [theta1, theta2, theta3, theta4, theta5, theta6];
         let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
         search.accept(q, position_error, rotation_error);

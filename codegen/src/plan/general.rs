@@ -36,14 +36,20 @@ impl GeneralChain {
     }
 }
 
+/// A function, and how badly its chain does on poses of the arm: to be compared with others of the same problem.
+pub(super) struct Rated {
+    pub(super) function: Function,
+    pub(super) badness: f64,
+}
+
 /// The function of a problem (an index into `Model::problems`, or the full pose).
 ///
 /// # Errors
 /// Why there is none.
-pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -> Result<Function, Refusal> {
+pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -> Result<Rated, Refusal> {
     let general = general::chain(model, problem)?;
     let chain = chain(model, &general);
-    let charts = charts::choose(&chain);
+    let (charts, badness) = charts::choose(&chain);
     let Some(best) = charts.first() else {
         return Err(Refusal::NoClosedForm);
     };
@@ -76,7 +82,7 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         .map(|form| sum(form, |place| joints.get(place).cloned().unwrap_or(Scalar::Number(0.0))));
     let body = vec![Step::Accept { q: q.collect(), tool: Vec::new(), polish: false }];
     let chain = GeneralChain { charts, ..chain };
-    Ok(Function {
+    let function = Function {
         kind: FunctionKind::Inverse(index),
         values,
         inputs,
@@ -85,7 +91,8 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         outputs: Vec::new(),
         counts: Counts::default(),
         stages: vec![stage],
-    })
+    };
+    Ok(Rated { function, badness })
 }
 
 fn chain(model: &Model, general: &General) -> GeneralChain {

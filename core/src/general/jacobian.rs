@@ -11,7 +11,7 @@ pub(super) fn pose_and_jacobian(arm: &SixJoints<'_>, q: &[f64; JOINTS]) -> (Fram
     let mut axes = [([0.0; 3], [0.0; 3]); JOINTS];
     for (((value, link), slides), axis) in q.iter().zip(links).zip(arm.prismatic).zip(&mut axes) {
         *axis = (frame.z_axis(), frame.translation);
-        frame = frame.compose(&super::line::Motion::new(slides, *value).frame()).compose(link);
+        frame = moved(&frame, slides, *value).compose(link);
     }
     let mut columns = [[0.0; 6]; JOINTS];
     for ((column, (axis, origin)), slides) in columns.iter_mut().zip(axes).zip(arm.prismatic) {
@@ -20,4 +20,21 @@ pub(super) fn pose_and_jacobian(arm: &SixJoints<'_>, q: &[f64; JOINTS]) -> (Fram
         *column = [vx, vy, vz, wx, wy, wz];
     }
     (frame, columns)
+}
+
+/// A frame moved along or about its z axis.
+pub(super) fn moved(frame: &Frame, slides: bool, value: f64) -> Frame {
+    let Frame { rotation: [[a, b, c], [d, e, f], [g, h, i]], translation: [x, y, z] } = *frame;
+    if slides {
+        return Frame { translation: [x + c * value, y + f * value, z + i * value], ..*frame };
+    }
+    let (s, t) = libm::sincos(value);
+    Frame {
+        rotation: [
+            [t * a + s * b, t * b - s * a, c],
+            [t * d + s * e, t * e - s * d, f],
+            [t * g + s * h, t * h - s * g, i],
+        ],
+        translation: [x, y, z],
+    }
 }

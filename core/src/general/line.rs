@@ -62,8 +62,7 @@ impl Line {
     /// What a joint along z must do to bring this line to another (rad, or the unit of length).
     pub(super) fn turn_to(&self, other: &Self, prismatic: bool) -> f64 {
         if prismatic {
-            // Along the common perpendicular of axis and line nothing is gained: the part of the point that the
-            // direction cannot make up for.
+            // The point is carried along.
             let [_, _, from] = self.point;
             let [_, _, to] = other.point;
             return to - from;

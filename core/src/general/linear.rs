@@ -61,32 +61,41 @@ fn swap(row: &mut [f64], i: usize, j: usize) {
 #[inline]
 pub(super) fn solve<const N: usize, const COLUMNS: usize>(a: &mut [[f64; COLUMNS]; N]) -> f64 {
     let mut determinant = 1.0;
+    let mut inverses = [0.0; N];
     for k in 0..N {
-        for r in k + 1..N {
-            if libm::fabs(a[r][k]) > libm::fabs(a[k][k]) {
-                let (upper, lower) = (a[k], a[r]);
-                a[k] = lower;
-                a[r] = upper;
-                determinant = -determinant;
+        let (mut at, mut greatest) = (k, libm::fabs(a[k][k]));
+        for (r, row) in a.iter().enumerate().skip(k + 1) {
+            let size = libm::fabs(row[k]);
+            if size > greatest {
+                (at, greatest) = (r, size);
             }
+        }
+        let upper = a[k];
+        if let Some(other) = a.get_mut(at).filter(|_| at != k) {
+            let lower = *other;
+            *other = upper;
+            a[k] = lower;
+            determinant = -determinant;
         }
         let pivot = a[k][k];
         determinant *= pivot;
         if pivot == 0.0 {
             return 0.0;
         }
+        let inverse = 1.0 / pivot;
+        inverses[k] = inverse;
         let top = a[k];
         for row in a.iter_mut().skip(k + 1) {
-            let factor = row[k] / pivot;
-            for (value, from) in row.iter_mut().zip(top).skip(k + 1) {
+            let factor = row[k] * inverse;
+            // All columns, for the sake of vector instructions: those up to here are not looked at any more.
+            for (value, from) in row.iter_mut().zip(top) {
                 *value -= factor * from;
             }
         }
     }
     for k in (0..N).rev() {
-        let pivot = a[k][k];
         for value in a[k].iter_mut().skip(N) {
-            *value /= pivot;
+            *value *= inverses[k];
         }
         let solved = a[k];
         for row in a.iter_mut().take(k) {

@@ -17,9 +17,9 @@ const COLUMNS: usize = PAIR + TRIPLE;
 /// Equations that are left.
 const LEFT: usize = PRODUCTS - PAIR;
 
-/// Six equations, each a + b cos x + c sin x of the hidden joint, for the products of half-angle tangents (1, t, t²) of
-/// the joint that the resultant eliminates and of the last one.
-type Block = [[[f64; 3]; 3]; LEFT];
+/// Six equations, each a + b cos x + c sin x of the hidden joint, for the products of half-angle tangents: those of the
+/// last joint (1, s, s²) times 1, times t² and times t of the joint that the resultant eliminates.
+type Block = [[f64; 9]; LEFT];
 
 /// The equations in three joints.
 #[derive(Debug, Clone, Copy)]
@@ -50,7 +50,7 @@ impl Resultant {
         let [_, _, _, slides @ ..] = circuit.prismatic;
         let mut rows = [[0.0; COLUMNS]; PRODUCTS];
         let pair = circuit.pair();
-        let triple = circuit.triple(&OFFSETS);
+        let triple = order(&circuit.triple(&OFFSETS), chart);
         let [[constant, ..], ..] = pair;
         let columns = pair.iter().flatten().skip(1).chain(triple.iter().flatten().flatten());
         for (index, column) in columns.enumerate() {
@@ -80,37 +80,34 @@ impl Resultant {
                 }
             }
         }
-        let mut parts = [[[[0.0; 3]; 3]; LEFT]; 3];
-        for (k, equation) in equations.iter().enumerate() {
-            let samples = cube(equation);
-            let samples = order(samples, chart);
-            let [hidden, first, last] =
-                places(chart).map(|place| slides.get(place).copied().unwrap_or(false));
-            let [at0, at1, at2] = samples.map(|face| {
-                let face = face.map(|row| powers(row, last));
-                let [a, b, c] = face;
-                let columns = [0, 1, 2].map(|i| {
-                    let pick = |row: [f64; 3]| row.get(i).copied().unwrap_or(0.0);
-                    powers([pick(a), pick(b), pick(c)], first)
-                });
-                let [x, y, z] = columns;
-                [[x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]]]
-            });
-            if hidden {
-                return None;
+        let [hidden, first, last] = places(chart).map(|place| slides.get(place).copied().unwrap_or(false));
+        if hidden {
+            return None;
+        }
+        let mut parts = [[[0.0; 9]; LEFT]; 3];
+        let [constants, cosines, sines] = &mut parts;
+        let blocks = constants.iter_mut().zip(cosines).zip(sines);
+        for (equation, ((constant, cosine), sine)) in equations.iter().zip(blocks) {
+            let mut faces = [[[0.0; 3]; 3]; 3];
+            for (face, samples) in faces.iter_mut().zip(equation.as_chunks::<9>().0) {
+                let [a, b, c, d, e, f, g, h, i] = *samples;
+                let [x, y, z] = [powers([a, b, c], last), powers([d, e, f], last), powers([g, h, i], last)];
+                for k in 0..3 {
+                    [face[0][k], face[1][k], face[2][k]] = powers([x[k], y[k], z[k]], first);
+                }
             }
-            let places = parts.iter_mut().filter_map(|block| block.get_mut(k)).flatten().flatten();
-            let samples = at0.as_flattened().iter().zip(at1.as_flattened()).zip(at2.as_flattened());
-            // Constant parts first, then those with the cosine, then those with the sine.
-            let constant = samples.clone().map(|((a, _), c)| f64::midpoint(*a, *c));
-            let cosine = samples.clone().map(|((a, _), c)| f64::midpoint(*a, -*c));
-            let sine = samples.map(|((a, b), c)| b - f64::midpoint(*a, *c));
-            for (place, value) in places.zip(constant.chain(cosine).chain(sine)) {
-                *place = value;
+            // Samples at an angle, a quarter and half a turn from there.
+            let [at0, at1, at2] = faces;
+            for (from, to) in [(0, 0), (2, 3), (1, 6)] {
+                for k in 0..3 {
+                    let mean = f64::midpoint(at0[from][k], at2[from][k]);
+                    constant[to + k] = mean;
+                    cosine[to + k] = at0[from][k] - mean;
+                    sine[to + k] = at1[from][k] - mean;
+                }
             }
         }
-        let factors =
-            if chart.divided { [1.0, -1.0].map(|sense| factor(&triple, chart, sense)) } else { [UNITY; 2] };
+        let factors = if chart.divided { [factor(&triple, 1.0), factor(&triple, -1.0)] } else { [UNITY; 2] };
         Some(Self { parts, factors, pivot, chart, slides })
     }
 
@@ -120,14 +117,9 @@ impl Resultant {
         let [constant, cosine, sine] = &self.parts;
         let mut rows = [[0.0; 9]; LEFT];
         for (((row, a), b), c) in rows.iter_mut().zip(constant).zip(cosine).zip(sine) {
-            let mut at = [[0.0; 3]; 3];
-            for (((at, a), b), c) in at.iter_mut().zip(a).zip(b).zip(c) {
-                for (((at, a), b), c) in at.iter_mut().zip(a).zip(b).zip(c) {
-                    *at = a + b * cos + c * sin;
-                }
+            for k in 0..9 {
+                row[k] = a[k] + b[k] * cos + c[k] * sin;
             }
-            let [[a0, a1, a2], [b0, b1, b2], [c0, c1, c2]] = at;
-            *row = [a0, a1, a2, c0, c1, c2, b0, b1, b2];
         }
         let size = solve::<LEFT, 9>(&mut rows);
         let [r0, r1, r2, r3, r4, r5] = rows.map(|[.., x, y, z]| [x, y, z]);
@@ -197,7 +189,8 @@ impl Resultant {
         }
         let scale = if greatest > 0.0 { 1.0 / greatest } else { 1.0 };
         let coefficients = coefficients.map(|pair| pair.map(|x| x * scale));
-        (Waves::new(coefficients), if greatest > 0.0 { noise / greatest } else { f64::INFINITY })
+        let noise = if greatest > 0.0 { noise / greatest } else { f64::INFINITY };
+        (Waves::new(coefficients, degree, noise), noise)
     }
 
     /// Joints 3, 4 and 5 of the circuit where the hidden one is at a root.
@@ -272,18 +265,10 @@ fn places(chart: Chart) -> [usize; 3] {
     if chart.swapped { [hidden, last, first] } else { [hidden, first, last] }
 }
 
-fn cube(samples: &[f64; TRIPLE]) -> [[[f64; 3]; 3]; 3] {
-    let mut cube = [[[0.0; 3]; 3]; 3];
-    for (place, value) in cube.iter_mut().flatten().flatten().zip(samples) {
-        *place = *value;
-    }
-    cube
-}
-
 /// The samples with the hidden joint first, then the one to be eliminated.
-fn order(samples: [[[f64; 3]; 3]; 3], chart: Chart) -> [[[f64; 3]; 3]; 3] {
+fn order(samples: &Samples, chart: Chart) -> Samples {
     let [hidden, first, last] = places(chart);
-    let mut sorted = [[[0.0; 3]; 3]; 3];
+    let mut sorted = [[[[0.0; PRODUCTS]; 3]; 3]; 3];
     for (i, face) in sorted.iter_mut().enumerate() {
         for (j, row) in face.iter_mut().enumerate() {
             for (k, place) in row.iter_mut().enumerate() {
@@ -294,8 +279,9 @@ fn order(samples: [[[f64; 3]; 3]; 3], chart: Chart) -> [[[f64; 3]; 3]; 3] {
                     }
                 }
                 let [x, y, z] = at;
-                let value = samples.get(x).and_then(|face| face.get(y)).and_then(|row| row.get(z));
-                *place = value.copied().unwrap_or(0.0);
+                if let Some(sample) = samples.get(x).and_then(|face| face.get(y)).and_then(|row| row.get(z)) {
+                    *place = *sample;
+                }
             }
         }
     }
@@ -312,23 +298,29 @@ fn powers([f0, f1, f2]: [f64; 3], prismatic: bool) -> [f64; 3] {
     }
 }
 
+/// Products of the line at three values of each of joints 3, 4 and 5.
+type Samples = [[[super::line::Products; 3]; 3]; 3];
+
 const UNITY: [[f64; 2]; 3] = [[1.0, 0.0], [0.0; 2], [0.0; 2]];
 
 /// The factor that the resultant has for every target.
 ///
 /// Far out in the complex plane, at y and z infinite with one sense or the other, all products of the line are those of
-/// exp(i y) exp(±i z); their coefficients are one and the same polynomial in exp(i x), times constants. Where it is 0, so
-/// is the resultant.
-fn factor(triple: &[[[super::line::Products; 3]; 3]; 3], chart: Chart, sense: f64) -> [[f64; 2]; 3] {
+/// exp(i y) exp(±i z). The coefficients of those that count most there are one and the same polynomial in exp(i x), times
+/// constants. Where it is 0, so is the resultant.
+fn factor(triple: &Samples, sense: f64) -> [[f64; 2]; 3] {
     let mut best = UNITY;
     let mut greatest = 0.0;
     for product in 0..PRODUCTS {
-        let samples =
-            triple.map(|face| face.map(|row| row.map(|at| at.get(product).copied().unwrap_or(0.0))));
-        let [at0, at1, at2] = order(samples, chart).map(|face| {
-            let [y0, y1, y2] = face.map(|row| wave(row.map(|x| [x, 0.0]), sense));
-            wave([y0, y1, y2], 1.0)
-        });
+        let mut faces = [[0.0; 2]; 3];
+        for (at, face) in faces.iter_mut().zip(triple) {
+            let [x, y, z] = face;
+            let row = |[a, b, c]: &[super::line::Products; 3]| {
+                wave([[a[product], 0.0], [b[product], 0.0], [c[product], 0.0]], sense)
+            };
+            *at = wave([row(x), row(y), row(z)], 1.0);
+        }
+        let [at0, at1, at2] = faces;
         let half = |a: f64, b: f64| f64::midpoint(a, b);
         let mean = [half(at0[0], at2[0]), half(at0[1], at2[1])];
         let cosine = [half(at0[0], -at2[0]), half(at0[1], -at2[1])];

@@ -165,10 +165,10 @@ fn the_joints_that_a_pose_was_made_from_are_found() {
             let pose = fk(&arm, &q);
             let mut nearest = f64::INFINITY;
             arm.solve(&pose, |solution| {
-                let (position, rotation) = crate::Target::Pose(pose).errors(&fk(&arm, &solution.q));
+                let (position, rotation) = crate::Target::Pose(pose).errors(&fk(&arm, solution));
                 let worst = (position / arm.reach).max(rotation);
                 assert!(worst <= 2e-10, "{name} at {q:?}: {worst:e}");
-                nearest = nearest.min(apart(&solution.q, &q));
+                nearest = nearest.min(apart(solution, &q));
             });
             assert!(nearest < 1e-7, "{name}: {q:?} is {nearest:e} away");
         }

@@ -60,10 +60,9 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let mut list = [[0.0; JOINTS]; MAX_CANDIDATES];
         let mut len = 0;
         let outcome = six.solve(&pose, |solution| {
-            let known =
-                list.iter().take(len).any(|other| same(other, &solution.q, six.prismatic, SAME * scale));
+            let known = list.iter().take(len).any(|other| same(other, solution, six.prismatic, SAME * scale));
             if let Some(place) = list.get_mut(len).filter(|_| !known) {
-                *place = solution.q;
+                *place = *solution;
                 len += 1;
             }
         });

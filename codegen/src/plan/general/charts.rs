@@ -8,12 +8,17 @@ use dh_core::{Chart, Frame, SixJoints};
 const DEGREES: [u8; 5] = [2, 4, 6, 8, 12];
 /// A degree is high enough if what should vanish is this small, relative to the greatest coefficient.
 const ACCURATE: f64 = 1e-9;
-/// Charts that are tried further.
-const PROMISING: usize = 6;
-/// Poses on which all charts are tried, and those on which the promising ones are.
-const POSES: [usize; 2] = [3, 12];
+/// On how many poses charts are tried, and how many are tried further.
+const ROUNDS: [(usize, usize); 3] = [(3, 8), (12, 5), (48, 5)];
 /// How many charts are kept.
 const KEPT: usize = 3;
+/// What joint values count that were not found where the chart had no doubt; a doubt counts 1, for another chart is to be
+/// asked then.
+const MISSED: f64 = 4.0;
+/// What a degree more costs, of the work on a pose.
+const WORK: f64 = 0.07;
+/// What a digit counts that Newton's method had to supply.
+const DIGIT: f64 = 0.02;
 
 /// The arm with values for its given joints, six joint values and the pose that belongs to them.
 struct Trial<'a> {
@@ -22,36 +27,34 @@ struct Trial<'a> {
     pose: Frame,
 }
 
-/// The charts that find most, the best first.
-pub(super) fn choose(chain: &GeneralChain) -> Vec<Chart> {
+/// The charts that find most, the best first, and how badly they do together: the sum over those that are kept, a
+/// missing one counting as one that finds nothing.
+pub(super) fn choose(chain: &GeneralChain) -> (Vec<Chart>, f64) {
     let mut random = Random(0x2545_f491_4f6c_dd1d);
-    let trials: Vec<Trial<'_>> = (0..POSES[1]).filter_map(|_| random.trial(chain)).collect();
+    let most = ROUNDS.iter().map(|(poses, _)| *poses).max().unwrap_or_default();
+    let trials: Vec<Trial<'_>> = (0..most).filter_map(|_| random.trial(chain)).collect();
     let mut charts: Vec<(Chart, f64)> = Vec::new();
-    for chart in candidates(chain) {
-        if let Some(chart) = with_degree(chart, &trials) {
-            charts.push((chart, score(chart, trials.get(..POSES[0]).unwrap_or(&trials))));
-        }
+    charts
+        .extend(candidates(chain).into_iter().filter_map(|chart| Some((with_degree(chart, &trials)?, 0.0))));
+    for (poses, promising) in ROUNDS {
+        let trials = trials.get(..poses).unwrap_or(&trials);
+        charts.retain_mut(|(chart, badness)| score(*chart, trials).map(|score| *badness = score).is_some());
+        charts.sort_by(|a, b| a.1.total_cmp(&b.1));
+        charts.truncate(promising);
     }
-    sort(&mut charts);
-    charts.truncate(PROMISING);
-    for (chart, badness) in &mut charts {
-        *badness = score(*chart, &trials);
-    }
-    sort(&mut charts);
     let mut kept: Vec<Chart> = Vec::new();
+    let nothing = trials.len() as f64 * MISSED;
+    let mut together = KEPT as f64 * nothing;
     for (chart, badness) in charts {
         // Charts of the same hidden joint fail at the same poses.
         let known =
             kept.iter().any(|other| other.unknown() == chart.unknown() && other.dropped == chart.dropped);
-        if !known && kept.len() < KEPT && badness < trials.len() as f64 {
+        if !known && kept.len() < KEPT {
             kept.push(chart);
+            together += badness - nothing;
         }
     }
-    kept
-}
-
-fn sort(charts: &mut [(Chart, f64)]) {
-    charts.sort_by(|a, b| a.1.total_cmp(&b.1));
+    (kept, together)
 }
 
 /// Every choice in which the two joints that are eliminated first see the line through the target, so that no special
@@ -84,10 +87,11 @@ fn with_degree(chart: Chart, trials: &[Trial<'_>]) -> Option<Chart> {
     })
 }
 
-/// How badly a chart does: joint values that were not found, the more so where it seemed certain, then doubts, digits
-/// and degree.
-fn score(chart: Chart, trials: &[Trial<'_>]) -> f64 {
-    let mut badness = f64::from(chart.degree) * 0.2;
+/// How badly a chart does: joint values that were not found, doubts, digits and degree. `None` where
+/// it finds fewer than half.
+fn score(chart: Chart, trials: &[Trial<'_>]) -> Option<f64> {
+    let mut hits = 0;
+    let mut badness = f64::from(chart.degree) * WORK * trials.len() as f64;
     for Trial { six, q, pose } in trials {
         let mut found = false;
         let outcome = six.solve_in(chart, pose, &mut |solution| {
@@ -96,18 +100,17 @@ fn score(chart: Chart, trials: &[Trial<'_>]) -> f64 {
                 let turn = std::f64::consts::TAU;
                 (if *slides { apart } else { apart - turn * libm::round(apart / turn) }).abs()
             };
-            found |= solution.q.iter().zip(q).zip(&six.prismatic).map(apart).fold(0.0, f64::max) < 1e-6;
+            found |= solution.iter().zip(q).zip(&six.prismatic).map(apart).fold(0.0, f64::max) < 1e-6;
         });
+        hits += usize::from(found);
         badness += match (found, outcome.doubtful) {
+            (_, true) => 1.0,
             (true, false) => 0.0,
-            (true, true) => 0.3,
-            (false, true) => 1.0,
-            (false, false) => 4.0,
+            (false, false) => MISSED,
         };
-        // Digits that Newton's method had to supply: a twentieth of a miss each.
-        badness += 0.05 * (16.0 + libm::log10(outcome.moved.clamp(1e-16, 1.0)));
+        badness += DIGIT * (16.0 + libm::log10(outcome.moved.clamp(1e-16, 1.0)));
     }
-    badness
+    (2 * hits >= trials.len()).then_some(badness)
 }
 
 /// A linear congruential generator \[Knuth, TAOCP 2, §3.3.4\]: the same poses on every host.
