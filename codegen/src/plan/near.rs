@@ -55,7 +55,7 @@ fn function(
     constants: &mut Constants,
 ) -> Option<Function> {
     let unknowns: Vec<usize> = (0..model.joints.len()).filter(|joint| !problem.free.contains(joint)).collect();
-    let otherwise = general::function(model, index, problem).ok()?;
+    let otherwise = general::function(model, index, problem).ok()?.function;
     let mut function = inverse::function(index, problem, derivation, true, constants);
     let deviation = deviation(model, nominal);
     let gains = gains::of(model, nominal, &function, &constants.values(), deviation)?;

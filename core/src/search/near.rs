@@ -9,8 +9,6 @@
 mod fold;
 mod newton;
 
-pub static COUNTS: [core::sync::atomic::AtomicUsize; 128] = [const { core::sync::atomic::AtomicUsize::new(0) }; 128];
-fn note(k: usize) { COUNTS[k].fetch_add(1, core::sync::atomic::Ordering::Relaxed); }
 use super::roots::Root;
 use super::{Roots, Search};
 use crate::frame::{norm, sub};
@@ -99,8 +97,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     }
 
     #[cold]
-    fn doubt(&mut self, why: usize, step: Step) -> Roots<S> {
-        if !self.doubtful { note(why*8 + usize::from(step.index)); }
+    fn doubt(&mut self) -> Roots<S> {
         self.doubtful = true;
         Roots::NONE
     }
@@ -130,7 +127,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             return self.search.unreachable_by(step, excess, h);
         }
         if !(h > S::from_f64(MARGIN) * off) || self.folds != 0 {
-            return self.doubt(1, step);
+            return self.doubt();
         }
         self.folds |= super::bit(step);
         // cos(x) = 1 - excess / h, and that is off by off / h.
@@ -147,7 +144,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let rest = d * d + e * e;
         let margin = S::from_f64(MARGIN) * off;
         if !(rest > margin * margin) {
-            return self.doubt(2, step);
+            return self.doubt();
         }
         self.end(step, off);
         let unit = S::ONE / (rest + c * c);
@@ -166,7 +163,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let inverse = S::ONE / determinant;
         let by = off * h.sqrt() * inverse.abs();
         if !(by < S::from_f64(UNSURE)) && !(self.folds != 0 && by < S::from_f64(0.8)) {
-            return self.doubt(3, step);
+            return self.doubt();
         }
         let (cos, sin) = ((c1 * b2 - c2 * b1) * inverse, (a1 * c2 - a2 * c1) * inverse);
         let square = cos * cos + sin * sin;
@@ -177,7 +174,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             return self.search.unreachable_by(step, miss * h.sqrt(), h.sqrt());
         }
         if miss > S::from_f64(MET) * S::EPSILON && self.folds == 0 {
-            return self.doubt(6, step);
+            return self.doubt();
         }
         let unit = S::ONE / length;
         Roots::one(Root::Angle { sin: sin * unit, cos: cos * unit })
@@ -189,7 +186,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let unit = if step.prismatic { self.search.reach } else { S::ONE };
         let slope = (a * unit).abs();
         if !(slope > S::from_f64(MARGIN) * off) {
-            return self.doubt(4, step);
+            return self.doubt();
         }
         let root = c / a;
         self.end(step, off * (S::ONE + (root / unit).abs()) / slope);
@@ -205,7 +202,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let rest = square - product;
         let size = half.abs() + a.abs() + c.abs();
         if !(rest.abs() > S::from_f64(MARGIN) * off * size && a.abs() > S::from_f64(MARGIN) * off) {
-            return self.doubt(5, step);
+            return self.doubt();
         }
         if rest < S::ZERO {
             let excess = (product.sqrt() - half.abs()) / a.abs();
@@ -260,7 +257,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let reach = self.search.reach;
         match newton::solve(q, &self.unknowns, target, reach, pose_and_jacobian) {
             Some(found) => self.add(found),
-            None => {note(80); self.doubtful = true},
+            None => self.doubtful = true,
         }
     }
 
@@ -276,8 +273,8 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let far = self.off.get(self.folds.trailing_zeros() as usize).copied().unwrap_or(S::INFINITY);
         let reach = self.search.reach;
         match fold::solve(q, &self.unknowns, target, reach, far, pose_and_jacobian) {
-            Some(both) => { note(if both.is_some() {90} else {91}); both.into_iter().flatten().for_each(|found| self.add(found))},
-            None => {note(81); self.doubtful = true},
+            Some(both) => both.into_iter().flatten().for_each(|found| self.add(found)),
+            None => self.doubtful = true,
         }
     }
 
@@ -291,7 +288,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             free: None,
         };
         // Two that have become one: another was lost.
-        let before=self.doubtful; self.doubtful |= !self.search.solutions.append_new(solution, self.search.windings); if !before && self.doubtful { note(82); }
+        self.doubtful |= !self.search.solutions.append_new(solution, self.search.windings);
     }
 
     /// What was found, or that there is nothing to be found; `None` where that is not sure.

@@ -11,7 +11,7 @@ use crate::polish::Polished;
 use crate::{Float, Frame};
 
 /// Steps that bring five joints to their equations, at most.
-const STEPS: usize = 5;
+const STEPS: usize = 8;
 
 /// They are met where this much (reaches, rad) is left.
 const MET: f64 = 1e-11;
@@ -21,6 +21,9 @@ const PIVOT: f64 = 0.02;
 
 /// A curvature that is smaller is none.
 const CURVED: f64 = 0.01;
+
+/// The joint that is held need not be that of the step: it may move more than that one.
+const FARTHER: f64 = 8.0;
 
 /// Two solutions that are nearer to each other (rad, reaches) may be one, or none.
 const APART: f64 = 1e-5;
@@ -45,10 +48,20 @@ pub(super) fn solve<const N: usize, S: Float>(
         return None;
     }
     let to_vertex = -first.slope / curvature;
-    if !(to_vertex.abs() <= S::TWO * far) {
+    if !(to_vertex.abs() <= S::from_f64(FARTHER) * far) {
         return None;
     }
-    let vertex = path.meet(path.along(&first, to_vertex))?;
+    let near_vertex = path.meet(path.along(&first, to_vertex))?;
+    // Where the parabola is not quite one, its curvature there.
+    let curvature = if to_vertex.abs() > S::from_f64(APART) {
+        (near_vertex.slope - first.slope) / to_vertex
+    } else {
+        curvature
+    };
+    if !(curvature.abs() > S::from_f64(CURVED)) {
+        return None;
+    }
+    let vertex = path.meet(path.along(&near_vertex, -near_vertex.slope / curvature))?;
     let rest = -vertex.slope / curvature;
     let square = rest * rest - S::TWO * vertex.value / curvature;
     let apart = S::from_f64(APART);

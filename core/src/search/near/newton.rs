@@ -14,6 +14,9 @@ const ROUNDING: f64 = 16.0;
 /// An error of this many machine epsilons that a step didn't make much smaller is rounding, too.
 const SMALL: f64 = 1024.0;
 
+/// Without an exchange of rows, smaller pivots cost more digits than a step of Newton's method can spare.
+const SMALL_PIVOT: f64 = 1e-4;
+
 /// A step that leaves more of the error than this is one of a method that isn't near a solution.
 const CONVERGES: f64 = 0.25;
 
@@ -92,9 +95,17 @@ impl<S: Float> Equations<S> {
         Some(Self { rows, position_error: norm(away), rotation_error: norm(turned) })
     }
 
-    /// By Gaussian elimination with partial pivoting; not finite where the equations are singular.
+    /// By Gaussian elimination; not finite where the equations are singular.
     #[inline]
     fn solution(&mut self) -> [S; UNKNOWNS] {
+        // A digit that is lost here is made up for by the next step: rows are exchanged only where many are.
+        unpivoted(&self.rows).unwrap_or_else(|| self.pivoted())
+    }
+
+    /// With partial pivoting.
+    #[cold]
+    #[inline(never)]
+    fn pivoted(&mut self) -> [S; UNKNOWNS] {
         let a = &mut self.rows;
         for k in 0..UNKNOWNS {
             let mut best = k;
@@ -108,6 +119,45 @@ impl<S: Float> Equations<S> {
         }
         substitute(a, UNKNOWNS, UNKNOWNS)
     }
+}
+
+/// Elimination with the rows as they come, or `None` where a pivot is small.
+#[inline]
+fn unpivoted<S: Float>(rows: &[[S; UNKNOWNS + 1]; UNKNOWNS]) -> Option<[S; UNKNOWNS]> {
+    let [mut a, mut b, mut c, mut d, mut e, mut f] = *rows;
+    let mut least = S::INFINITY;
+    macro_rules! eliminated {
+        ($k:literal, $top:ident: $($row:ident),*) => {{
+            let size = $top[$k].abs();
+            least = if size < least { size } else { least };
+            let inverse = S::ONE / $top[$k];
+            $(
+                let factor = $row[$k] * inverse;
+                // All columns, for the sake of vector instructions.
+                for (value, from) in $row.iter_mut().zip($top) {
+                    *value -= factor * from;
+                }
+            )*
+            inverse
+        }};
+    }
+    let ia = eliminated!(0, a: b, c, d, e, f);
+    let ib = eliminated!(1, b: c, d, e, f);
+    let ic = eliminated!(2, c: d, e, f);
+    let id = eliminated!(3, d: e, f);
+    let ie = eliminated!(4, e: f);
+    let size = f[5].abs();
+    least = if size < least { size } else { least };
+    if !(least > S::from_f64(SMALL_PIVOT)) {
+        return None;
+    }
+    let z = f[6] / f[5];
+    let y = (e[6] - e[5] * z) * ie;
+    let x = (d[6] - d[5] * z - d[4] * y) * id;
+    let w = (c[6] - c[5] * z - c[4] * y - c[3] * x) * ic;
+    let v = (b[6] - b[5] * z - b[4] * y - b[3] * x - b[2] * w) * ib;
+    let u = (a[6] - a[5] * z - a[4] * y - a[3] * x - a[2] * w - a[1] * v) * ia;
+    Some([u, v, w, x, y, z])
 }
 
 /// Takes the unknown of column `k` out of the rows below row `k`.
