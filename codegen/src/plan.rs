@@ -24,7 +24,8 @@ pub fn build(model: &crate::model::Model) -> (Plan, Vec<Unsolved>) {
     let mut functions = forward::functions(model, &mut constants);
     let (inverse, unsolved) = inverse::functions(model, &mut constants);
     functions.extend(inverse);
-    (Plan { constants: constants.into_list(), functions }, unsolved)
+    let plan = Plan { constants: constants.into_list(), functions };
+    (near::rated(model, plan), unsolved)
 }
 
 /// A function that finds all joints of an inverse problem (an index into `Model::problems`, or the full pose) at once,
@@ -197,6 +198,10 @@ pub enum Step {
     Near {
         /// What the two arms are to each other.
         nearly: Nearly,
+        /// What kind of arm was meant, in the field's words.
+        meant: String,
+        /// The share of poses at which `otherwise` is done.
+        share: f64,
         /// Closed form of the arm that was meant.
         body: Vec<Step>,
         /// The arm as it is.

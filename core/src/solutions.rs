@@ -80,7 +80,9 @@ impl<const N: usize, S: Float> Solutions<N, S> {
 
     /// Adds a solution; says whether it is another than those that are there, whole turns aside.
     pub(crate) fn append_new(&mut self, solution: Solution<N, S>, windings: &[Winding<'_, S>]) -> bool {
-        let new = !self.iter().any(|known| !differ(&known.q, &solution.q, windings) && same(&known.q, &solution.q, windings));
+        let new = !self
+            .iter()
+            .any(|known| !differ(&known.q, &solution.q, windings) && same(&known.q, &solution.q, windings));
         self.append(solution);
         new
     }

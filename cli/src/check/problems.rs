@@ -58,15 +58,32 @@ fn given(robot: &Robot, function: &Function) -> String {
 
 /// By which method.
 fn way(function: &Function) -> &'static str {
+    if near(function).is_some() {
+        return "as the arm that was meant, corrected";
+    }
     match general(&function.steps) {
         Some(_) => "by a polynomial in one joint",
         None => "in closed form",
     }
 }
 
+/// What kind of arm was meant, where a nearly special one is solved as that, and how often that isn't enough.
+fn near(function: &Function) -> Option<(&str, f64)> {
+    match function.steps.as_slice() {
+        [Step::Near { meant, share, .. }] => Some((meant, *share)),
+        _ => None,
+    }
+}
+
 /// What of the geometry, or of the problem, makes that the way.
 fn why(robot: &Robot, function: &Function) -> String {
     let model = robot.model();
+    if let Some((meant, share)) = near(function) {
+        let share = 100.0 * share;
+        return format!(
+            "solved as {meant}; each solution is brought to the table as written by Newton's method; near singular poses ({share:.0} % of all) the general chain, by a polynomial in one joint"
+        );
+    }
     let problem = match function.kind {
         FunctionKind::Inverse(Some(index)) => model.problems.get(index),
         _ => None,
@@ -103,7 +120,7 @@ fn general(steps: &[Step]) -> Option<u8> {
     steps.iter().find_map(|step| match step {
         Step::General { chain, .. } => chain.charts.first().map(|chart| chart.degree),
         Step::Solve { body, .. } => general(body),
-        _ => None,
+        Step::Near { .. } | Step::Let { .. } | Step::SinCos { .. } | Step::Accept { .. } => None,
     })
 }
 
@@ -163,6 +180,10 @@ fn roots(steps: &[Step]) -> Vec<usize> {
                 found.push((2 * degree).min(MAX_SOLUTIONS));
                 found.extend(roots(body));
             }
+            Step::Near { body, otherwise, .. } => {
+                found.extend(roots(body));
+                found.extend(roots(otherwise));
+            }
             _ => {}
         }
     }
@@ -171,5 +192,10 @@ fn roots(steps: &[Step]) -> Vec<usize> {
 
 /// How many branches the solution has.
 fn branches(function: &Function) -> usize {
-    roots(&function.steps).into_iter().product()
+    match function.steps.as_slice() {
+        [Step::Near { body, .. }] => roots(body),
+        steps => roots(steps),
+    }
+    .into_iter()
+    .product()
 }

@@ -3,24 +3,26 @@
 
 mod gains;
 
+use super::eval::Program;
 use super::schedule::Constants;
-use super::{Function, Scalar, Step, ValueId, general, inverse};
+use super::{Function, FunctionKind, Plan, Scalar, Step, ValueId, general, inverse};
 use crate::model::product;
-use crate::model::{JointKind, Model, Problem, Target};
+use crate::model::{self, JointKind, Model, Problem};
 use crate::symbolic::inverse_kinematics::{self, Derivation};
 use crate::symbolic::redundancy;
-use dh_core::{Frame, rotation_error};
+use dh_core::{Frame, IkError, Target, rotation_error};
 
 /// At how many joint vectors the two arms are compared.
 const SAMPLES: usize = 256;
 
-/// What a greatest value over some joint vectors is multiplied by, for those in between.
-const BETWEEN: f64 = 1.2;
+/// At how many poses the share of those is counted that the general chain has to solve, and the greatest such share.
+const POSES: usize = 100;
+const OFTEN: f64 = 0.5;
 
 /// The full pose by the nearly special arm's nominal one; `None` where there is none, or none with a closed form.
 pub(super) fn full_pose(model: &Model, constants: &mut Constants) -> Option<Function> {
     let nominal = model.nominal()?.model;
-    let excess = model.joints.len().checked_sub(Target::Pose.rows())?;
+    let excess = model.joints.len().checked_sub(model::Target::Pose.rows())?;
     let free: Vec<Vec<usize>> = match excess {
         0 => vec![Vec::new()],
         1 => redundancy::joints(&nominal).into_iter().map(|joint| vec![joint]).collect(),
@@ -38,7 +40,7 @@ pub(super) fn problem(
     constants: &mut Constants,
 ) -> Option<Function> {
     let left = model.joints.len().checked_sub(problem.free.len())?;
-    if !problem.is_whole_pose() || left != Target::Pose.rows() {
+    if !problem.is_whole_pose() || left != model::Target::Pose.rows() {
         return None;
     }
     let nominal = model.nominal()?.model;
@@ -54,7 +56,8 @@ fn function(
     derivation: &Derivation,
     constants: &mut Constants,
 ) -> Option<Function> {
-    let unknowns: Vec<usize> = (0..model.joints.len()).filter(|joint| !problem.free.contains(joint)).collect();
+    let unknowns: Vec<usize> =
+        (0..model.joints.len()).filter(|joint| !problem.free.contains(joint)).collect();
     let otherwise = general::function(model, index, problem).ok()?.function;
     let mut function = inverse::function(index, problem, derivation, true, constants);
     let deviation = deviation(model, nominal);
@@ -69,8 +72,53 @@ fn function(
     function.values.extend(otherwise.values.into_iter().skip(function.inputs));
     function.stages.extend(otherwise.stages);
     let otherwise = behind.steps(otherwise.steps);
-    function.steps = vec![Step::Near { nearly, body, otherwise }];
+    let meant = nominal.geometry().class();
+    function.steps = vec![Step::Near { nearly, meant, share: 0.0, body, otherwise }];
     Some(function)
+}
+
+/// Counts the poses at which functions of nearly special arms need the general chain. Those that often do are that chain
+/// alone.
+pub(super) fn rated(model: &Model, mut plan: Plan) -> Plan {
+    for place in 0..plan.functions.len() {
+        let Some(function) = plan.functions.get(place) else { continue };
+        let (FunctionKind::Inverse(problem), [Step::Near { .. }]) =
+            (&function.kind, function.steps.as_slice())
+        else {
+            continue;
+        };
+        let share = share(model, &plan, function, *problem).unwrap_or(1.0);
+        let general = if share > OFTEN { super::general(model, *problem).ok() } else { None };
+        let Some(function) = plan.functions.get_mut(place) else { continue };
+        if let Some(general) = general {
+            *function = general;
+        } else if let Some(Step::Near { share: counted, .. }) = function.steps.first_mut() {
+            *counted = share;
+        }
+    }
+    plan
+}
+
+/// The share of poses at which a function's nominal closed form is not sure to find everything.
+fn share(model: &Model, plan: &Plan, function: &Function, problem: Option<usize>) -> Option<f64> {
+    let mut alone = function.clone();
+    if let Some(Step::Near { otherwise, .. }) = alone.steps.first_mut() {
+        otherwise.clear();
+    }
+    let forward = plan.functions.iter().filter(|other| !matches!(other.kind, FunctionKind::Inverse(_)));
+    let functions = forward.cloned().chain([alone]).collect();
+    let plan = Plan { constants: plan.constants.clone(), functions };
+    let program = Program::<f64>::new(model, &plan).ok()?;
+    let windings = program.windings();
+    let mut unsure = 0;
+    for sample in 0..POSES {
+        let q = joint_vector(model, sample);
+        let target = Target::Pose(frame(&product::frames(model, &q).tool));
+        let free: Vec<f64> = function.free.iter().filter_map(|joint| q.get(*joint).copied()).collect();
+        let answer = program.inverse(problem, &target, &free, &windings, |_| ())?;
+        unsure += usize::from(answer == Err(IkError::NotFinite));
+    }
+    Some(unsure as f64 / POSES as f64)
 }
 
 /// What a nearly special arm is to the one that was meant, as [`dh_core::Nearly`].
@@ -100,7 +148,8 @@ fn deviation(model: &Model, nominal: &Model) -> f64 {
 fn joint_vector(model: &Model, sample: usize) -> Vec<f64> {
     let rows = model.joints.iter().filter_map(|row| model.rows.get(*row)).enumerate();
     rows.map(|(joint, row)| {
-        let phase = (0.754_877_666 * sample as f64 + 0.618_033_989 * joint as f64 * (sample as f64 + 0.5)).fract();
+        let phase =
+            (0.754_877_666 * sample as f64 + 0.618_033_989 * joint as f64 * (sample as f64 + 0.5)).fract();
         match row.kind {
             JointKind::Revolute => (phase - 0.5) * std::f64::consts::TAU,
             JointKind::Prismatic => {
@@ -114,10 +163,7 @@ fn joint_vector(model: &Model, sample: usize) -> Vec<f64> {
 }
 
 fn frame(rows: &product::Matrix) -> Frame {
-    Frame {
-        rotation: rows.map(|[a, b, c, _]| [a, b, c]),
-        translation: rows.map(|[_, _, _, p]| p),
-    }
+    Frame { rotation: rows.map(|[a, b, c, _]| [a, b, c]), translation: rows.map(|[_, _, _, p]| p) }
 }
 
 /// Where the values and stages of one function come behind those of another.

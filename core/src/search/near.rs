@@ -126,7 +126,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         if excess > off && off.is_finite() {
             return self.search.unreachable_by(step, excess, h);
         }
-        if !(h > S::from_f64(MARGIN) * off) || self.folds != 0 {
+        if !above(h, S::from_f64(MARGIN) * off) || self.folds != 0 {
             return self.doubt();
         }
         self.folds |= super::bit(step);
@@ -143,7 +143,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let off = self.begin(step);
         let rest = d * d + e * e;
         let margin = S::from_f64(MARGIN) * off;
-        if !(rest > margin * margin) {
+        if !above(rest, margin * margin) {
             return self.doubt();
         }
         self.end(step, off);
@@ -162,7 +162,8 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let h = if h1 > h2 { h1 } else { h2 };
         let inverse = S::ONE / determinant;
         let by = off * h.sqrt() * inverse.abs();
-        if !(by < S::from_f64(UNSURE)) && !(self.folds != 0 && by < S::from_f64(0.8)) {
+        let unsure = if self.folds == 0 { UNSURE } else { 2.0 * UNSURE };
+        if !above(S::from_f64(unsure), by) {
             return self.doubt();
         }
         let (cos, sin) = ((c1 * b2 - c2 * b1) * inverse, (a1 * c2 - a2 * c1) * inverse);
@@ -185,7 +186,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let off = self.begin(step);
         let unit = if step.prismatic { self.search.reach } else { S::ONE };
         let slope = (a * unit).abs();
-        if !(slope > S::from_f64(MARGIN) * off) {
+        if !above(slope, S::from_f64(MARGIN) * off) {
             return self.doubt();
         }
         let root = c / a;
@@ -201,7 +202,8 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let (square, product) = (half * half, a * c);
         let rest = square - product;
         let size = half.abs() + a.abs() + c.abs();
-        if !(rest.abs() > S::from_f64(MARGIN) * off * size && a.abs() > S::from_f64(MARGIN) * off) {
+        let margin = S::from_f64(MARGIN) * off;
+        if !(above(rest.abs(), margin * size) && above(a.abs(), margin)) {
             return self.doubt();
         }
         if rest < S::ZERO {
@@ -247,10 +249,10 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             return;
         }
         let miss = (position_error / self.search.reach).max(rotation_error);
-        if !(miss <= S::from_f64(MET) * S::EPSILON) {
+        if !above(S::from_f64(MET) * S::EPSILON, miss) {
             // A false root of a squared equation; of one that nearly is none, nothing is known.
             let most = self.off.iter().fold(S::ZERO, |most, off| if *off > most { *off } else { most });
-            self.doubtful |= !(miss > S::from_f64(MARGIN) * most);
+            self.doubtful |= !above(miss, S::from_f64(MARGIN) * most);
             self.search.accept(q, position_error, rotation_error);
             return;
         }
@@ -296,4 +298,9 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     pub fn finish(self) -> Option<Result<Solutions<N, S>, IkError<S>>> {
         if self.doubtful { None } else { Some(self.search.finish()) }
     }
+}
+
+/// Whether a number is greater than another; not where one is none.
+fn above<S: Float>(a: S, b: S) -> bool {
+    a > b
 }

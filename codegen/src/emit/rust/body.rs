@@ -4,7 +4,7 @@ use super::expression::Leaves;
 use super::layout::{Expression, statement};
 use super::liveness::{Live, coefficients};
 use super::names::Names;
-use super::text::Text;
+use super::text::{Text, clean};
 use crate::plan::{Equation, Function, FunctionKind, Scalar, Stage, Step, ValueId};
 
 /// A function under print.
@@ -118,10 +118,13 @@ impl Body<'_> {
                     text.append(&nested.into_string());
                     text.line("}");
                 }
-                Step::Near { body, otherwise, .. } => {
+                Step::Near { meant, body, otherwise, .. } => {
                     text.gap();
-                    let meant = "The arm that was meant; each of its solutions is brought to the pose of the arm as it is.";
-                    text.paragraph("//", meant);
+                    let meant = format!(
+                        "The arm that was meant: {}. Its solutions are brought to the pose.",
+                        clean(meant)
+                    );
+                    text.paragraph("//", &meant);
                     text.line(self.search("Near", &[self.nearly]));
                     self.steps(text, body, accept);
                     let some = self.leaves.paths.prelude("Some");

@@ -5,7 +5,7 @@ use super::text::{clean, escaped, wrapped};
 use crate::model::{
     AngleUnit, Convention, JointKind, LengthUnit, Limits, Model, Placement, Rotation, Row, Units,
 };
-use crate::plan::{Counts, Function};
+use crate::plan::{Counts, Function, Step};
 
 /// Columns of an equation in documentation.
 const EQUATION_WIDTH: usize = 80;
@@ -69,6 +69,17 @@ pub(super) fn stages(function: &Function) -> Option<String> {
     }
     lines.push("```".to_owned());
     (!function.stages.is_empty()).then(|| lines.join("\n"))
+}
+
+/// How a nearly special arm is solved.
+pub(super) fn meant(function: &Function) -> Option<String> {
+    let [Step::Near { meant, share, .. }] = function.steps.as_slice() else { return None };
+    Some(format!(
+        "Solved as the arm that was meant ({}); each solution is brought to the pose by Newton's method on the table as \
+         written. Near singular poses (about {:.0} % of all) the last step below solves the table as it is.",
+        clean(meant),
+        100.0 * share
+    ))
 }
 
 /// Unit of joint values: "rad", "m" or both.

@@ -62,6 +62,12 @@ fn introduction(name: &str, problem: Option<&Problem>, text: &mut Text) {
     }
 }
 
+/// "3 %"; "less than 1 %".
+pub(crate) fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent < 1.0 { "less than 1 %".to_owned() } else { format!("{percent:.0} %") }
+}
+
 fn meaning(target: Target) -> &'static str {
     match target {
         Target::Pose => "the tool frame in the base frame",
@@ -109,10 +115,10 @@ impl Derivation<'_, '_, '_> {
                     self.stage(*stage, *root, equation, &definitions);
                     self.steps(body);
                 }
-                Step::General { stage, body, .. } => {
-                    if let Some(stage) = self.function.stages.get(*stage) {
+                Step::General { stage: index, body, .. } => {
+                    if let Some(stage) = self.function.stages.get(*index) {
                         self.text.gap();
-                        self.text.line(1, &format!("Step 1: all joints, by {}", stage.unknown));
+                        self.text.line(1, &format!("Step {}: all joints, by {}", index + 1, stage.unknown));
                         self.text.line(2, &stage.equation);
                         self.text.line(2, &format!("({})", stage.origin));
                         self.text
@@ -120,10 +126,19 @@ impl Derivation<'_, '_, '_> {
                     }
                     self.steps(body);
                 }
-                Step::Near { body, otherwise, .. } => {
+                Step::Near { meant, share, body, otherwise, .. } => {
                     self.text.gap();
-                    self.text.line(1, "As the arm that was meant:");
+                    self.text.line(1, &format!("The arm that was meant ({meant}):"));
                     self.steps(body);
+                    self.text.gap();
+                    self.text.line(
+                        1,
+                        "Each solution is brought to the pose by Newton's method on the table as written.",
+                    );
+                    self.text.line(
+                        1,
+                        &format!("Near singular poses ({} of all) instead of this:", percent(*share)),
+                    );
                     self.steps(otherwise);
                 }
                 Step::Accept { q, .. } => self.joints(q),

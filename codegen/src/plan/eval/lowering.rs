@@ -82,7 +82,7 @@ impl<S: Float> Lowering<'_, S> {
                 let general = General { stage: *stage, chain: chain.clone(), given, roots: slots, body };
                 code.push(Instruction::General(Box::new(general)));
             }
-            Step::Near { nearly, body, otherwise } => {
+            Step::Near { nearly, body, otherwise, .. } => {
                 self.inverse_only()?;
                 let [body, otherwise] = [body, otherwise].map(|steps| {
                     let outside = self.defined.clone();

@@ -186,27 +186,30 @@ impl Branch<'_> {
             let size = self.size(stage);
             let (s, c) = libm::sincos(x);
             let trig = |[a, b, right]: [&Scalar; 3]| value(a) * c + value(b) * s - value(right);
-            left.push(size.recip() * match equation {
-                Equation::Trig { a, b, c } => trig([a, b, c]),
-                Equation::TrigPair { first, second } => {
-                    // What is off along the rows' own angle; rows of another size have the same root.
-                    let [a, b, d, e] = [&first[0], &first[1], &second[0], &second[1]].map(value);
-                    let [one, other] = [trig(first.each_ref()), trig(second.each_ref())];
-                    let cos = one * e - other * b;
-                    let sin = other * a - one * d;
-                    (c * sin - s * cos) / a.hypot(b).max(d.hypot(e))
-                }
-                // The angle between an axis and a unit vector whose part along it is c.
-                Equation::TrigUnit { row: [a, b, c], others: [d, e] } => {
-                    let [a, b, c, d, e] = [a, b, c, d, e].map(value);
-                    let between = libm::atan2(d.hypot(e), c);
-                    let to = libm::atan2(b, a);
-                    let away = x - to;
-                    wrapped(away).abs() - between
-                }
-                Equation::Linear { a, c } => value(a) * x - value(c),
-                Equation::Quadratic { a, b, c } => (value(a) * x + value(b)) * x + value(c),
-            });
+            left.push(
+                size.recip()
+                    * match equation {
+                        Equation::Trig { a, b, c } => trig([a, b, c]),
+                        Equation::TrigPair { first, second } => {
+                            // What is off along the rows' own angle; rows of another size have the same root.
+                            let [a, b, d, e] = [&first[0], &first[1], &second[0], &second[1]].map(value);
+                            let [one, other] = [trig(first.each_ref()), trig(second.each_ref())];
+                            let cos = one * e - other * b;
+                            let sin = other * a - one * d;
+                            (c * sin - s * cos) / a.hypot(b).max(d.hypot(e))
+                        }
+                        // The angle between an axis and a unit vector whose part along it is c.
+                        Equation::TrigUnit { row: [a, b, c], others: [d, e] } => {
+                            let [a, b, c, d, e] = [a, b, c, d, e].map(value);
+                            let between = libm::atan2(d.hypot(e), c);
+                            let to = libm::atan2(b, a);
+                            let away = x - to;
+                            wrapped(away).abs() - between
+                        }
+                        Equation::Linear { a, c } => value(a) * x - value(c),
+                        Equation::Quadratic { a, b, c } => (value(a) * x + value(b)) * x + value(c),
+                    },
+            );
             x
         });
         left

@@ -32,8 +32,7 @@ pub(super) fn solve<const N: usize, S: Float>(
     reach: S,
     mut pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
 ) -> Option<Polished<N, S>> {
-    let mut q = start;
-    let mut last = S::INFINITY;
+    let (mut q, mut last) = (start, S::INFINITY);
     for _ in 0..STEPS {
         let (tool, jacobian) = pose_and_jacobian(&q);
         let mut at = Equations::new(unknowns, &tool, &jacobian, target, reach)?;
@@ -42,7 +41,11 @@ pub(super) fn solve<const N: usize, S: Float>(
         let small = S::from_f64(SMALL) * S::EPSILON;
         let slow = error > S::from_f64(CONVERGES) * last;
         if error <= rounding || (error <= small && slow) {
-            return Some(Polished { q, position_error: at.position_error, rotation_error: at.rotation_error });
+            return Some(Polished {
+                q,
+                position_error: at.position_error,
+                rotation_error: at.rotation_error,
+            });
         }
         if slow || error.is_nan() {
             return None;
@@ -108,13 +111,13 @@ impl<S: Float> Equations<S> {
     fn pivoted(&mut self) -> [S; UNKNOWNS] {
         let a = &mut self.rows;
         for k in 0..UNKNOWNS {
-            let mut best = k;
             for r in k + 1..UNKNOWNS {
-                if a[r][k].abs() > a[best][k].abs() {
-                    best = r;
+                if a[r][k].abs() > a[k][k].abs() {
+                    let (upper, lower) = (a[k], a[r]);
+                    a[k] = lower;
+                    a[r] = upper;
                 }
             }
-            a.swap(k, best);
             eliminate(a, k);
         }
         substitute(a, UNKNOWNS, UNKNOWNS)
@@ -124,7 +127,7 @@ impl<S: Float> Equations<S> {
 /// Elimination with the rows as they come, or `None` where a pivot is small.
 #[inline]
 fn unpivoted<S: Float>(rows: &[[S; UNKNOWNS + 1]; UNKNOWNS]) -> Option<[S; UNKNOWNS]> {
-    let [mut a, mut b, mut c, mut d, mut e, mut f] = *rows;
+    let [a, mut b, mut c, mut d, mut e, mut f] = *rows;
     let mut least = S::INFINITY;
     macro_rules! eliminated {
         ($k:literal, $top:ident: $($row:ident),*) => {{
@@ -148,7 +151,7 @@ fn unpivoted<S: Float>(rows: &[[S; UNKNOWNS + 1]; UNKNOWNS]) -> Option<[S; UNKNO
     let ie = eliminated!(4, e: f);
     let size = f[5].abs();
     least = if size < least { size } else { least };
-    if !(least > S::from_f64(SMALL_PIVOT)) {
+    if !super::above(least, S::from_f64(SMALL_PIVOT)) {
         return None;
     }
     let z = f[6] / f[5];
@@ -190,4 +193,50 @@ pub(super) fn substitute<S: Float>(
         x[k] = value / a[k][k];
     }
     x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Equations, UNKNOWNS, unpivoted};
+
+    /// Rows whose first pivots vanish where they aren't exchanged, if `hidden`.
+    fn rows(hidden: bool) -> [[f64; UNKNOWNS + 1]; UNKNOWNS] {
+        let mut rows = [[0.0; UNKNOWNS + 1]; UNKNOWNS];
+        for (r, row) in rows.iter_mut().enumerate() {
+            for (c, entry) in row.iter_mut().enumerate() {
+                *entry = libm::sin((r * r * c + 3 * r + 5 * c * c + 1) as f64 * 1.3);
+            }
+        }
+        if hidden {
+            rows[0][0] = 0.0;
+        }
+        rows
+    }
+
+    fn left(rows: &[[f64; UNKNOWNS + 1]; UNKNOWNS], x: &[f64; UNKNOWNS]) -> f64 {
+        let miss = |row: &[f64; UNKNOWNS + 1]| {
+            let sum: f64 = row.iter().zip(x).map(|(a, x)| a * x).sum();
+            (sum - row[UNKNOWNS]).abs()
+        };
+        rows.iter().map(miss).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn equations_are_solved_with_rows_as_they_come_and_exchanged() {
+        let plain = rows(false);
+        let x = unpivoted(&plain).expect("no small pivot");
+        assert!(left(&plain, &x) < 1e-12);
+        let hidden = rows(true);
+        assert!(unpivoted(&hidden).is_none());
+        let mut equations = Equations { rows: hidden, position_error: 0.0, rotation_error: 0.0 };
+        assert!(left(&hidden, &equations.solution()) < 1e-12);
+    }
+
+    #[test]
+    fn equations_that_are_singular_have_no_finite_solution() {
+        let mut rows = rows(false);
+        rows[5] = rows[4];
+        let mut equations = Equations { rows, position_error: 0.0, rotation_error: 0.0 };
+        assert!(!equations.solution().iter().all(|x| x.abs() < 1e9));
+    }
 }
