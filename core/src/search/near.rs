@@ -9,6 +9,8 @@
 mod fold;
 mod newton;
 
+use fold::Fold;
+
 use super::roots::Root;
 use super::{Roots, Search};
 use crate::frame::{norm, sub};
@@ -23,7 +25,8 @@ pub struct Nearly<'a> {
     /// The joints that are found (indices of q).
     pub unknowns: [usize; UNKNOWNS],
     /// By how much each step of the closed form is off, in the size of its equation: first what the deviation of the two
-    /// arms makes at most; then, for the unknown of every step before, what one that is off by 1 (rad, reaches) does.
+    /// arms makes at most; then, for the unknown of every step before, what one that is off by 1 (rad, reaches) does, and
+    /// before these the share of their sum that is left where one makes up for another.
     pub gains: &'a [f64],
 }
 
@@ -76,13 +79,15 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     fn begin(&mut self, step: Step) -> S {
         self.folds &= !super::bit(step);
         let index = usize::from(step.index);
-        let first = index * (index + 1) / 2;
-        let Some([deviation, gains @ ..]) = self.gains.get(first..=first + index) else {
+        let first = index * (index + 3) / 2;
+        let Some([deviation, share, gains @ ..]) = self.gains.get(first..first + index + 2) else {
             return S::INFINITY;
         };
         let mut off = S::from_f64(*deviation);
-        for (gain, by) in gains.iter().zip(&self.off) {
-            off += S::from_f64(*gain) * *by;
+        for (earlier, (gain, by)) in gains.iter().zip(&self.off).enumerate() {
+            // Next to a double root an unknown is off by itself, whatever the others are.
+            let alone = self.folds & (1 << earlier) != 0;
+            off += S::from_f64(if alone { *gain } else { *gain * *share }) * *by;
         }
         off * step.measure.scale(self.search.reach)
     }
@@ -275,7 +280,8 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let far = self.off.get(self.folds.trailing_zeros() as usize).copied().unwrap_or(S::INFINITY);
         let reach = self.search.reach;
         match fold::solve(q, &self.unknowns, target, reach, far, pose_and_jacobian) {
-            Some(both) => both.into_iter().flatten().for_each(|found| self.add(found)),
+            Some(Fold::Both(both)) => both.into_iter().for_each(|found| self.add(found)),
+            Some(Fold::Neither) => {}
             None => self.doubtful = true,
         }
     }

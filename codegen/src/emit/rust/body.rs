@@ -146,7 +146,8 @@ impl Body<'_> {
     /// A new search.
     pub(super) fn search(&self, kind: &str, more: &[&str]) -> String {
         let [reach, windings] = self.search;
-        let more: String = more.iter().map(|name| format!(", &{name}")).collect();
+        let more: Vec<String> = more.iter().map(|name| format!(", &{name}")).collect();
+        let more = more.concat();
         format!("let mut search = {}::new({reach}, &{windings}{more});", self.leaves.paths.runtime(kind))
     }
 

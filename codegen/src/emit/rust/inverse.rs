@@ -7,7 +7,7 @@ use super::names::function_suffix;
 use super::number::{self, number};
 use super::text::{Text, clean};
 use crate::model::{Filter, JointKind, Problem, Row, Target};
-use crate::plan::{Function, FunctionKind, GeneralChain, Measure, Scalar, Stage, Step, ValueId};
+use crate::plan::{Function, FunctionKind, GeneralChain, Measure, Nearly, Scalar, Stage, Step, ValueId};
 use dh_core::FULL_POSE;
 
 impl<'a> Printer<'a> {
@@ -103,25 +103,30 @@ impl<'a> Printer<'a> {
             match step {
                 Step::General { chain, .. } => self.chain(text, &locals.chain, chain),
                 Step::Near { nearly, otherwise, .. } => {
-                    let ty = self.paths.runtime("Nearly");
-                    text.line(format!("const {}: {ty}<'static> = {ty} {{", locals.nearly));
-                    text.line(format!("    unknowns: {:?},", nearly.unknowns));
-                    text.line("    gains: &[");
-                    let mut gains = nearly.gains.as_slice();
-                    let mut length = 1;
-                    while let Some((row, rest)) = gains.split_at_checked(length) {
-                        let row: Vec<String> = row.iter().map(|gain| format!("{gain:?}")).collect();
-                        text.line(format!("        {},", row.join(", ")));
-                        gains = rest;
-                        length += 1;
-                    }
-                    text.line("    ],");
-                    text.line("};");
+                    self.nearly(text, &locals.nearly, nearly);
                     self.arms(text, otherwise, locals);
                 }
                 _ => {}
             }
         }
+    }
+
+    /// What a nearly special arm is to the one that was meant.
+    fn nearly(&self, text: &mut Text, name: &str, nearly: &Nearly) {
+        let ty = self.paths.runtime("Nearly");
+        text.line("#[rustfmt::skip]");
+        text.line(format!("const {name}: {ty}<'static> = {ty} {{"));
+        text.line(format!("    unknowns: {:?},", nearly.unknowns));
+        text.line("    // What each step is off by: the deviation, then a share of what earlier unknowns do that are off by 1.");
+        text.line("    gains: &[");
+        let (mut gains, mut length) = (nearly.gains.as_slice(), 2);
+        while let Some((row, rest)) = gains.split_at_checked(length).filter(|(row, _)| !row.is_empty()) {
+            let row = row.iter().map(|gain| number(*gain, super::ScalarType::F64, &self.paths));
+            text.line(format!("        {},", row.collect::<Vec<_>>().join(", ")));
+            (gains, length) = (rest, length + 1);
+        }
+        text.line("    ],");
+        text.line("};");
     }
 
     /// The chain of a function without a closed form: f64 whatever the scalar, for its polynomials need the digits.

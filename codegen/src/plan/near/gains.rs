@@ -25,9 +25,21 @@ pub(super) fn of(
     for row in &mut gains {
         row.iter_mut().take(1).for_each(|gain| *gain *= deviation);
     }
+    let mut shares = Vec::new();
     for stage in 0..gains.len() {
         let share = share(model, nominal, function, constants, &gains, stage);
-        gains.get_mut(stage).into_iter().flatten().for_each(|gain| *gain *= share);
+        if let Some([deviation, others @ ..]) = gains.get_mut(stage).map(Vec::as_mut_slice) {
+            *deviation *= share;
+            others.iter_mut().for_each(|gain| *gain *= share);
+        }
+        shares.push(share);
+    }
+    for (row, share) in gains.iter_mut().zip(shares) {
+        let unshared = |gain: f64| if share > 0.0 { gain / share } else { gain };
+        let (first, others) = row.split_first().map_or((0.0, Vec::new()), |(first, others)| {
+            (*first, others.iter().map(|gain| rounded_up(unshared(*gain))).collect())
+        });
+        *row = [vec![rounded_up(first), rounded_up(share)], others].concat();
     }
     Some(gains)
 }
@@ -67,6 +79,11 @@ fn share(
         most = most.max(left.abs() / bound);
     }
     (SAFETY * most).min(1.0)
+}
+
+/// To three digits, not smaller.
+fn rounded_up(x: f64) -> f64 {
+    format!("{:.2e}", 1.005 * x).parse().unwrap_or(x)
 }
 
 /// In -pi ... pi.

@@ -31,6 +31,15 @@ const FARTHER: f64 = 8.0;
 /// Two solutions that are nearer to each other (rad, reaches) may be one, or none.
 const APART: f64 = 1e-5;
 
+/// What has become of two solutions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Fold<const N: usize, S> {
+    /// They are there.
+    Both([Polished<N, S>; 2]),
+    /// They have met.
+    Neither,
+}
+
 /// Of two solutions that may have met: both, neither, or `None` where it isn't sure. They are at most `far` (rad, reaches)
 /// from the start.
 pub(super) fn solve<const N: usize, S: Float>(
@@ -40,7 +49,7 @@ pub(super) fn solve<const N: usize, S: Float>(
     reach: S,
     far: S,
     mut pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
-) -> Option<Option<[Polished<N, S>; 2]>> {
+) -> Option<Fold<N, S>> {
     let (tool, jacobian) = pose_and_jacobian(&start);
     let at = Equations::new(unknowns, &tool, &jacobian, target, reach)?;
     let mut path = Path { order: Order::of(&at.rows)?, unknowns, target, reach, pose_and_jacobian };
@@ -72,13 +81,13 @@ pub(super) fn solve<const N: usize, S: Float>(
         return None;
     }
     if square < S::ZERO {
-        return Some(None);
+        return Some(Fold::Neither);
     }
     let side = square.sqrt();
     let [one, other] = [rest - side, rest + side].map(|step| path.along(&vertex, step));
     let both = [path.polished(one)?, path.polished(other)?];
     let [below, above] = both.map(|solution| path.held(&solution.q) - path.held(&vertex.q));
-    (below < S::ZERO && above > S::ZERO).then_some(Some(both))
+    (below < S::ZERO && above > S::ZERO).then_some(Fold::Both(both))
 }
 
 /// Row `r`, column `c`.
@@ -208,7 +217,7 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Pat
 
 #[cfg(test)]
 mod tests {
-    use super::solve;
+    use super::{Fold, solve};
     use crate::Frame;
 
     const UNKNOWNS: [usize; 6] = [0, 1, 2, 3, 4, 5];
@@ -241,7 +250,7 @@ mod tests {
     fn both_solutions_next_to_a_fold_are_found() {
         for off in [1e-3, 0.01, 0.05] {
             let found = solve(START, &UNKNOWNS, &target(0.1 + off), 1.0, 0.05, bent);
-            let [one, other] = found.flatten().expect("two solutions");
+            let Some(Fold::Both([one, other])) = found else { panic!("{off}: {found:?}") };
             let (low, high) = if one.q[0] < other.q[0] { (one, other) } else { (other, one) };
             assert!((high.q[0] - 0.1 - off).abs() < 1e-9, "{off}: {high:?}");
             assert!(low.q[0] < 0.1 && low.position_error < 1e-13 && high.rotation_error < 1e-13);
@@ -252,7 +261,7 @@ mod tests {
     fn neither_is_where_they_have_met() {
         let mut target = target(0.1);
         target.translation[0] -= 1e-6;
-        assert_eq!(solve(START, &UNKNOWNS, &target, 1.0, 0.05, bent), Some(None));
+        assert_eq!(solve(START, &UNKNOWNS, &target, 1.0, 0.05, bent), Some(Fold::Neither));
     }
 
     #[test]
