@@ -1,13 +1,16 @@
-"""What `#[dh_robot("mycobot")]` adds to a clean dev build of a crate with one arm.
+"""What `#[dh_robot]` adds to a clean build of a crate with one arm, in the dev and in the release profile.
 
 Makes three crates in a temporary folder, outside of this workspace and with default profiles: one that only names the
 runtime, one with the attribute, and one with the code that the attribute stands for, pasted. Their dependencies are
 built first; then each crate alone is built anew, several times in turn. Prints the medians; asserts nothing.
 
-    python3 bench/macro_cost.py [ROUNDS]
+    python3 bench/macro_cost.py [TABLE [ROUNDS]]
+
+TABLE is a table file or the name of a shipped table (mycobot).
 """
 
 import pathlib
+import re
 import shutil
 import statistics
 import subprocess
@@ -16,19 +19,19 @@ import tempfile
 import time
 
 WORKSPACE = pathlib.Path(__file__).resolve().parent.parent
-ARM = "mycobot"
-STRUCT = "MyCobot280Pi"
-USE = "fn main() { println!(\"{}\", %s.fk(&[0.1; 6])); }\n"
-
-SOURCES = {
-    "without": "use dh_runtime::Pose;\nstruct None;\n"
-    "impl None { fn fk(&self, _: &[f64; 6]) -> Pose { Pose::identity() } }\n" + USE % "None",
-    "attribute": f"use dh_runtime::dh_robot;\n#[dh_robot(\"{ARM}\")]\nstruct {STRUCT};\n" + USE % STRUCT,
-    "pasted": f"mod {ARM};\nuse {ARM}::{STRUCT};\n" + USE % STRUCT,
-}
 
 
-def make(folder: pathlib.Path, name: str, source: str) -> pathlib.Path:
+def sources(generated: str) -> dict[str, str]:
+    """Of each crate's library."""
+    name = re.search(r"^pub struct (\w+)", generated, re.MULTILINE)[1]
+    return {
+        "without": f"pub use dh_runtime::Pose;\npub struct {name};\n",
+        "attribute": f'use dh_runtime::dh_robot;\n#[dh_robot("arm.toml")]\npub struct {name};\n',
+        "pasted": f"mod arm;\npub use arm::{name};\n",
+    }
+
+
+def make(folder: pathlib.Path, name: str, source: str, table: str, generated: str) -> pathlib.Path:
     """A crate of its own."""
     crate = folder / name
     (crate / "src").mkdir(parents=True)
@@ -37,10 +40,10 @@ def make(folder: pathlib.Path, name: str, source: str) -> pathlib.Path:
         f'[package]\nname = "{name}"\nedition = "2024"\n\n'
         f'[dependencies]\ndh-runtime = {{ path = "{runtime}" }}\n\n[workspace]\n'
     )
-    (crate / "src/main.rs").write_text(source)
+    (crate / "src/lib.rs").write_text(source)
+    (crate / "src/arm.rs").write_text(generated)
+    (crate / "arm.toml").write_text(table)
     shutil.copy(WORKSPACE / "Cargo.lock", crate / "Cargo.lock")
-    if name == "pasted":
-        shutil.copy(WORKSPACE / f"generated-demo/src/{ARM}.rs", crate / "src")
     return crate
 
 
@@ -52,24 +55,42 @@ def cargo(crate: pathlib.Path, *arguments: str) -> float:
     return time.perf_counter() - begin
 
 
-def main() -> None:
-    rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 7
-    with tempfile.TemporaryDirectory() as folder:
-        crates = {name: make(pathlib.Path(folder), name, source) for name, source in SOURCES.items()}
-        print("building the dependencies ...", flush=True)
-        for crate in crates.values():
-            cargo(crate, "build")
-        times = {name: [] for name in crates}
-        for _ in range(rounds):
-            for name, crate in crates.items():
-                cargo(crate, "clean", "--package", name)
-                times[name].append(cargo(crate, "build"))
+def dhc(*arguments: str) -> str:
+    """What the command line prints."""
+    command = ["cargo", "run", "--quiet", "--release", "-p", "dh-cli", "--", *arguments]
+    return subprocess.run(command, cwd=WORKSPACE, check=True, capture_output=True, text=True).stdout
+
+
+def measure(crates: dict[str, pathlib.Path], rounds: int, *profile: str) -> None:
+    """Prints how long the crates take."""
+    for crate in crates.values():
+        cargo(crate, "build", *profile)
+    times = {name: [] for name in crates}
+    for _ in range(rounds):
+        for name, crate in crates.items():
+            cargo(crate, "clean", "--package", name, *profile)
+            times[name].append(cargo(crate, "build", *profile))
     medians = {name: statistics.median(seconds) for name, seconds in times.items()}
-    print(f"clean dev build of one crate, its dependencies built; median of {rounds} (least to greatest), s:")
     for name, seconds in times.items():
         print(f"  {name:10} {medians[name]:6.3f} ({min(seconds):.3f} to {max(seconds):.3f})")
     print(f"the attribute adds {medians['attribute'] - medians['without']:.3f} s,")
     print(f"of which {medians['pasted'] - medians['without']:.3f} s are the compiler's, for the generated code")
+
+
+def main() -> None:
+    name = sys.argv[1] if len(sys.argv) > 1 else "mycobot"
+    rounds = int(sys.argv[2]) if len(sys.argv) > 2 else 7
+    file = pathlib.Path(name) if pathlib.Path(name).exists() else WORKSPACE / f"robots/{name}.toml"
+    generated = dhc("generate", str(file.resolve()))
+    with tempfile.TemporaryDirectory() as folder:
+        crates = {
+            crate: make(pathlib.Path(folder), crate, source, file.read_text(), generated)
+            for crate, source in sources(generated).items()
+        }
+        for profile in (), ("--release",):
+            label = "release" if profile else "dev"
+            print(f"clean {label} build of one crate, its dependencies built; median of {rounds}, s:", flush=True)
+            measure(crates, rounds, *profile)
 
 
 if __name__ == "__main__":

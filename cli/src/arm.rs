@@ -10,11 +10,13 @@ use crate::json::Json;
 use crate::list::List;
 use crate::robot::Robot;
 use crate::units::{Units, fixed};
-use dh_codegen::model::{JointKind, Model};
+use dh_codegen::model::{self, JointKind, Model};
 use dh_codegen::verify::Level;
-use dh_core::{Frame, Mounted, NamedPose, TargetKind};
+use dh_core::{Frame, Limits, Mounted, NamedPose, TargetKind};
 use dh_drivers::clock::RealClock;
-use dh_drivers::driver::{Driver, Effort, JointMap};
+use dh_drivers::driver::{Attachment, AttachmentUnit, DeviceJoint, DeviceKind, Driver, Effort, JointMap};
+use dh_drivers::dynamixel::control_table::POSITION_MODE;
+use dh_drivers::dynamixel::{Bus, Timing};
 use dh_drivers::motion::{self, Move};
 use dh_drivers::unit::Unit;
 use dh_drivers::{connect, port};
@@ -28,9 +30,17 @@ pub(crate) use progress::Watcher;
 /// Which device, and what is on it.
 #[derive(Debug, clap::Args)]
 pub(crate) struct DeviceFlags {
+    /// A table file, or the name of a shipped table.
+    table: String,
     /// The arm's port: a device like /dev/ttyUSB0 or what `dhc sim` printed, or tcp:HOST:PORT.
     #[arg(long, value_name = "PORT")]
     pub(crate) port: String,
+    /// Bits per second of the port, where the arm is not set up as its table says (115200: a myCobot with an M5).
+    #[arg(long, value_name = "RATE", value_parser = clap::value_parser!(u32).range(1..))]
+    baud: Option<u32>,
+    /// Set Dynamixel servos to position mode first, which they keep; those whose torque is on refuse.
+    #[arg(long)]
+    position_mode: bool,
     /// Servo zeros and signs of this very arm, as `dhc calibrate` writes them.
     #[arg(long, value_name = "FILE")]
     pub(crate) unit: Option<PathBuf>,
@@ -62,13 +72,12 @@ pub(crate) enum Use {
 /// # Errors
 /// Where either fails; and what is done with the arm.
 pub(crate) fn with(
-    table: &str,
     flags: &DeviceFlags,
     purpose: Use,
     act: impl FnOnce(&mut Arm<'_>) -> Result<Status, Failure>,
 ) -> Result<Status, Failure> {
-    let robot = Robot::load(table, Level::Quick)?;
-    let settings = device::settings(&robot)?;
+    let robot = Robot::load(&flags.table, Level::Quick)?;
+    let settings = device::settings(&robot, flags.baud)?;
     let program = robot.program()?;
     let arm = program.interpreter().map_err(|error| robot.unusable(&error))?;
     let units = robot.units();
@@ -80,22 +89,41 @@ pub(crate) fn with(
             .apply(&mut joints)
             .map_err(|error| Refusal::new("unit", format!("{}: {error}", path.display())))?;
     }
-    let port = port::open(&flags.port, settings.baud, Arc::new(RealClock::new()))
-        .map_err(|error| Refusal::new("port", error.to_string()))?;
-    let mut driver = connect::connect(settings, joints, port)
-        .map_err(|error| Refusal::new("device", error.to_string()))?;
-    let silent =
-        |error: &dh_drivers::DriverError| matches!(error.cause, dh_drivers::driver::Cause::Silent { .. });
-    if purpose == Use::Move && driver.read_state().is_err_and(|error| silent(&error)) {
-        driver.torque(true).map_err(|error| Refusal::new("device", error.to_string()))?;
-        complain("the arm did not say where it is; its power was switched on");
+    let open = || {
+        let port = port::open(&flags.port, settings.baud, Arc::new(RealClock::new()));
+        port.map_err(|error| Refusal::new("port", error.to_string()))
+    };
+    if flags.position_mode && settings.kind == DeviceKind::Dynamixel {
+        let ids: Vec<u8> = joints.joints.iter().filter_map(|joint| joint.id.try_into().ok()).collect();
+        let outcome = Bus::new(open()?, Timing::default()).set_operating_mode(&ids, POSITION_MODE);
+        outcome.map_err(|error| refusal::of_driver(&error))?;
     }
-    let robot_in_motion =
-        motion::Robot::new(&mounted, driver).map_err(|error| Refusal::new("device", error.to_string()))?;
+    let port = open()?;
+    let attachments = robot.model().servos.iter().map(attachment).collect::<Result<_, _>>()?;
+    let driver = connect::connect_with(settings, joints, attachments, port);
+    let mut driver = driver.map_err(|error| match error {
+        connect::ConnectError::Driver(error) => refusal::of_driver(&error),
+        other => Refusal::new("device", other.to_string()),
+    })?;
+    if purpose == Use::Move && connect::wake(driver.as_mut()).map_err(|error| refusal::of_driver(&error))? {
+        complain("the arm had no power, which was switched on: it holds where it is");
+    }
+    let robot_in_motion = motion::Robot::new(&mounted, driver).map_err(|error| match error {
+        motion::ConnectError::Driver(error) => refusal::of_driver(&error),
+        other @ motion::ConnectError::OtherArm(_) => Refusal::new("device", other.to_string()),
+    })?;
     let poses: Vec<NamedPose<'_>> = robot.model().poses.iter().map(named_pose).collect();
     let robot_in_motion = robot_in_motion.with_poses(&poses);
     interrupt::install(&robot_in_motion.stop_handle())?;
     act(&mut Arm { robot: robot_in_motion, model: robot.model() })
+}
+
+/// A servo outside the chain.
+fn attachment(named: &model::NamedServo) -> Result<DeviceJoint, Refusal> {
+    let model::Servo { id, scale, zero, range, ref model } = named.servo;
+    let range = range.map(|range| Limits { min: range.min, max: range.max });
+    let servo = dh_core::Servo { id, scale, zero, range, model: model.as_deref() };
+    DeviceJoint::of_servo(&named.name, servo).map_err(|error| Refusal::new("servo", error.to_string()))
 }
 
 fn named_pose(pose: &dh_codegen::model::NamedPose) -> NamedPose<'_> {
@@ -198,7 +226,60 @@ impl Arm<'_> {
     /// Where it doesn't answer.
     pub(crate) fn read(&mut self) -> Result<(), Refusal> {
         let outcome = self.robot.read().map(|_| ());
-        outcome.map_err(|error| Refusal::new("device", error.to_string()))
+        outcome.map_err(|error| refusal::of_driver(&error))
+    }
+
+    /// Has the device forget its faults.
+    ///
+    /// # Errors
+    /// What the device says.
+    pub(crate) fn clear_faults(&mut self) -> Result<(), Refusal> {
+        self.robot.clear_faults().map_err(|error| refusal::of(self.model, &error))
+    }
+
+    /// What the device moves besides the joints, by its name.
+    pub(crate) fn attachment(&mut self, name: &str) -> Option<Attachment> {
+        self.robot.driver().attachments().into_iter().find(|attachment| attachment.name == name)
+    }
+
+    /// Moves an attachment to a value in the table's unit of angle, or percent.
+    ///
+    /// # Errors
+    /// Where that is out of its range, or what the device says.
+    pub(crate) fn move_attachment(&mut self, which: &Attachment, value: f64) -> Result<(), Refusal> {
+        let value_in_si = match which.unit {
+            AttachmentUnit::Angle => self.units().radians(value),
+            AttachmentUnit::Percent => value,
+        };
+        if !which.range.contains(value_in_si) {
+            let shown = [value_in_si, which.range.min, which.range.max];
+            let [value, min, max] = shown.map(|value| self.show_attachment(which, value));
+            return Err(Refusal::new(
+                "attachment",
+                format!("{} takes {min} to {max}, not {value}", which.name),
+            ));
+        }
+        let outcome = self.robot.driver().move_attachment(&which.name, value_in_si);
+        outcome.map_err(|error| refusal::of_driver(&error))
+    }
+
+    /// Where an attachment is, for people.
+    ///
+    /// # Errors
+    /// What the device says.
+    pub(crate) fn read_attachment(&mut self, which: &Attachment) -> Result<String, Refusal> {
+        let value = self.robot.driver().read_attachment(&which.name);
+        Ok(self.show_attachment(which, value.map_err(|error| refusal::of_driver(&error))?))
+    }
+
+    fn show_attachment(&self, which: &Attachment, value: f64) -> String {
+        match which.unit {
+            AttachmentUnit::Angle => {
+                let units = self.units();
+                format!("{} {}", show(units, JointKind::Revolute, value), units.angle_name())
+            }
+            AttachmentUnit::Percent => format!("{value:.0} %"),
+        }
     }
 
     /// Switches the torque on.
@@ -223,8 +304,18 @@ impl Arm<'_> {
         self.robot.arm().fk(q).unwrap_or(Frame { translation: [f64::NAN; 3], ..Frame::IDENTITY })
     }
 
+    /// State and hand, for programs or for people.
+    pub(crate) fn tell(&self, json: bool, out: &mut dyn Write) -> io::Result<()> {
+        if json {
+            writeln!(out, "{}", self.json())?;
+        } else {
+            self.show(out)?;
+        }
+        out.flush()
+    }
+
     /// State and hand, as `--json` shows them.
-    pub(crate) fn json(&self) -> Json {
+    fn json(&self) -> Json {
         let state = self.robot.state();
         let joints = state.joints.iter().enumerate().map(|(index, joint)| {
             let (kind, name) = self.units().joint(index);

@@ -14,8 +14,6 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// A table file, or the name of a shipped table.
-    table: String,
     #[command(flatten)]
     device: DeviceFlags,
     /// A pose of the table that the arm is brought to; a second one may be given.
@@ -50,7 +48,7 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
     if arguments.device.unit.is_some() {
         return Err(Failure::Usage("--unit is what this command makes: leave it out".to_owned()));
     }
-    arm::with(&arguments.table, &arguments.device, Use::Look, |arm| {
+    arm::with(&arguments.device, Use::Look, |arm| {
         // Names are looked up before anybody is asked to move an arm.
         let poses = arguments.pose.iter().map(|name| arm.pose(name)).collect::<Result<Vec<_>, _>>()?;
         if arguments.release {

@@ -2,7 +2,7 @@
 
 use crate::arm::{self, Arm, DeviceFlags, Use, Watcher};
 use crate::failure::{Failure, Refusal, Status, complain};
-use crate::move_arm::Pace;
+use crate::move_arm::{self, Pace};
 use dh_core::{FULL_POSE, Frame, Target, TargetKind};
 use dh_drivers::motion::Move;
 use std::io::{self, BufRead, IsTerminal, Write};
@@ -11,8 +11,6 @@ use std::io::{self, BufRead, IsTerminal, Write};
 #[derive(Debug, clap::Args)]
 #[command(after_help = COMMANDS, after_long_help = COMMANDS)]
 pub(crate) struct Arguments {
-    /// A table file, or the name of a shipped table.
-    table: String,
     #[command(flatten)]
     device: DeviceFlags,
     #[command(flatten)]
@@ -29,7 +27,9 @@ Commands, with values in the table's units:
   check joints|to|line ...    whether such a move is allowed; nothing is sent that moves the arm
   percent P, speed V          how fast from now on
   hold                        torque on
+  clear                       has the device forget its faults; joints that had one may lose their torque by it
   release [anywhere]          torque off, in a safe pose or wherever the arm is
+  NAME [VALUE]                what the arm has besides joints: gripper (percent, of a myCobot) or a [[servo]] of the table
   help, quit                  when the console is left the arm holds
 
 NUMBERS are those of the problem's target: x y z of a position, x y of xy, x y z yaw, x y z roll pitch yaw of a pose,
@@ -39,11 +39,11 @@ Ctrl-C stops a move; the arm holds.";
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, Failure> {
     let terminal = io::stdin().is_terminal();
-    arm::with(&arguments.table, &arguments.device, Use::Move, |arm| {
+    arm::with(&arguments.device, Use::Move, |arm| {
         let mut pace = arguments.pace;
         let mut status = Status::Done;
         let mut input = io::stdin().lock();
-        loop {
+        for number in 1_u64.. {
             out.flush()?;
             if terminal {
                 write!(io::stderr(), "> ")?;
@@ -57,14 +57,16 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
             match command(arm, &mut pace, &words, out) {
                 Ok(Next::Go) => {}
                 Ok(Next::Quit) => return Ok(status),
+                // Whoever types sees it; of a script the line is told, and at its end that something was wrong.
+                Err(Failure::Refused(refusal)) if terminal => complain(&refusal.to_string()),
                 Err(Failure::Refused(refusal)) => {
-                    // Whoever types sees it; a script is told at the end, too.
-                    status = if terminal { Status::Done } else { Status::Wrong };
-                    complain(&refusal.to_string());
+                    status = Status::Wrong;
+                    complain(&format!("line {number}: {refusal}"));
                 }
                 Err(other) => return Err(other),
             }
         }
+        Ok(status)
     })
 }
 
@@ -74,6 +76,16 @@ enum Next {
 }
 
 fn command(arm: &mut Arm<'_>, pace: &mut Pace, words: &[&str], out: &mut dyn Write) -> Result<Next, Failure> {
+    if let [name, value @ ..] = words
+        && let Some(attachment) = arm.attachment(name)
+    {
+        match value {
+            [] => writeln!(out, "{name} at {}", arm.read_attachment(&attachment)?)?,
+            [value] => arm.move_attachment(&attachment, number(value)?)?,
+            _ => return Err(wrong(format!("{name} takes one value")).into()),
+        }
+        return Ok(Next::Go);
+    }
     match words {
         [] => {}
         ["quit" | "exit" | "q"] => return Ok(Next::Quit),
@@ -85,8 +97,9 @@ fn command(arm: &mut Arm<'_>, pace: &mut Pace, words: &[&str], out: &mut dyn Wri
         ["hold"] => arm.hold()?,
         ["release"] => arm.release(false)?,
         ["release", "anywhere"] => arm.release(true)?,
-        ["percent", number] => pace.percent = positive(number)?,
-        ["speed", number] => pace.speed = Some(positive(number)?),
+        ["percent", number] => pace.percent = move_arm::percent(number).map_err(wrong)?,
+        ["speed", number] => pace.speed = Some(move_arm::positive(number).map_err(wrong)?),
+        ["clear"] => arm.clear_faults()?,
         ["check", words @ ..] => {
             let asked = pace.of(asked(arm, words)?, arm);
             let checked = arm.plan(&[asked])?;
@@ -100,6 +113,10 @@ fn command(arm: &mut Arm<'_>, pace: &mut Pace, words: &[&str], out: &mut dyn Wri
         }
     }
     Ok(Next::Go)
+}
+
+fn wrong(message: String) -> Refusal {
+    Refusal::new("command", message)
 }
 
 /// The move that a command asks for.
@@ -116,17 +133,13 @@ fn asked(arm: &Arm<'_>, words: &[&str]) -> Result<Move, Refusal> {
     }
 }
 
-fn positive(word: &str) -> Result<f64, Refusal> {
-    let number = word.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0);
-    number.ok_or_else(|| Refusal::new("command", format!("`{word}` is no number above 0")))
+fn numbers(words: &[&str]) -> Result<Vec<f64>, Refusal> {
+    words.iter().map(|word| number(word)).collect()
 }
 
-fn numbers(words: &[&str]) -> Result<Vec<f64>, Refusal> {
-    let number = |word: &&str| {
-        let number = word.parse().ok().filter(|x: &f64| x.is_finite());
-        number.ok_or_else(|| Refusal::new("command", format!("`{word}` is no number")))
-    };
-    words.iter().map(number).collect()
+fn number(word: &str) -> Result<f64, Refusal> {
+    let number = word.parse().ok().filter(|x: &f64| x.is_finite());
+    number.ok_or_else(|| wrong(format!("`{word}` is no number")))
 }
 
 /// A problem's name, if it is given, and its target.

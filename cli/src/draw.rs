@@ -17,13 +17,11 @@ use std::io::{self, Read, Write};
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// A table file, or the name of a shipped table.
-    table: String,
+    #[command(flatten)]
+    device: DeviceFlags,
     /// The points, one a line, coordinates with spaces or commas between them, in the table's unit of length; # begins a
     /// comment. - reads them from stdin.
     figure: String,
-    #[command(flatten)]
-    device: DeviceFlags,
     /// Which inverse problem holds the hand; the first of the table that takes a position (target xy or position) if left
     /// out.
     #[arg(long, value_name = "NAME")]
@@ -53,7 +51,7 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
         path => fs::read_to_string(path),
     };
     let text = text.map_err(|error| Refusal::new("figure", format!("{}: {error}", arguments.figure)))?;
-    arm::with(&arguments.table, &arguments.device, Use::Move, |arm| {
+    arm::with(&arguments.device, Use::Move, |arm| {
         let problem = problem(arm, arguments.problem.as_deref())?;
         let points = points(arm, &problem, &text, &arguments.figure)?;
         let mut moves = Vec::new();

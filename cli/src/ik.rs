@@ -106,14 +106,14 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
             Err(error) => {
                 // A failure has nothing to say on stdout, but its steps are what was asked for.
                 crate::failure::complain(steps.trim_end());
-                Err(question.refusal(&error).into())
+                Err(question.refusal_near(&error, &target).into())
             }
         };
     }
     match question.solve(&target) {
         Ok(answers) if arguments.json => writeln!(out, "{}", json(units, &answers))?,
         Ok(answers) => list(&question, &answers, out)?,
-        Err(error) => return failed(arguments, out, question.refusal(&error)),
+        Err(error) => return failed(arguments, out, question.refusal_near(&error, &target)),
     }
     Ok(Status::Done)
 }
@@ -144,7 +144,7 @@ fn answer_line(question: &mut Question<'_>, line: &[u8], given: Option<&[f64]>) 
     };
     Ok(match question.solve(&target) {
         Ok(answers) => json(units, &answers),
-        Err(error) => nothing(&question.refusal(&error)),
+        Err(error) => nothing(&question.refusal_near(&error, &target)),
     })
 }
 

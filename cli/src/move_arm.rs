@@ -17,8 +17,6 @@ use std::io::Write;
 #[command(after_help = EXAMPLES, after_long_help = EXAMPLES)]
 #[allow(clippy::struct_excessive_bools, reason = "flags of a command line, each independent of the others")]
 pub(crate) struct Arguments {
-    /// A table file, or the name of a shipped table.
-    table: String,
     #[command(flatten)]
     device: DeviceFlags,
     /// Joint values to move to, in the table's units.
@@ -52,11 +50,31 @@ pub(crate) struct Arguments {
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(crate) struct Pace {
     /// The part of the greatest velocity to move at, in percent.
-    #[arg(long, value_name = "PERCENT", default_value_t = 100.0)]
+    #[arg(long, value_name = "PERCENT", default_value_t = 100.0, value_parser = percent, allow_negative_numbers = true)]
     pub(crate) percent: f64,
     /// Speed along lines, in the table's unit of length per second; refused where the joints can't follow.
-    #[arg(long, value_name = "SPEED")]
+    #[arg(long, value_name = "SPEED", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) speed: Option<f64>,
+}
+
+/// A part of the greatest velocity, in percent.
+///
+/// # Errors
+/// What is wrong with it.
+pub(crate) fn percent(word: &str) -> Result<f64, String> {
+    positive(word)
+        .ok()
+        .filter(|percent| *percent <= 100.0)
+        .ok_or_else(|| format!("`{word}` is no percentage: write a number above 0, and at most 100"))
+}
+
+/// A speed.
+///
+/// # Errors
+/// What is wrong with it.
+pub(crate) fn positive(word: &str) -> Result<f64, String> {
+    let number = word.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| format!("`{word}` is no number above 0"))
 }
 
 impl Pace {
@@ -90,7 +108,7 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
             "where to? Give --joints, --pose, or a target (--position ...)".to_owned(),
         ));
     }
-    arm::with(&arguments.table, &arguments.device, Use::Move, |arm| {
+    arm::with(&arguments.device, Use::Move, |arm| {
         let asked = arguments.pace.of(asked(arguments, arm)?, arm);
         if arguments.dry_run {
             let checked = arm.plan(&[asked])?;
@@ -99,12 +117,7 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
         }
         arm.go(&[asked], &mut Watcher::new(&mut |_, _, _| {}))?;
         arm.read()?;
-        if arguments.json {
-            writeln!(out, "{}", arm.json())?;
-        } else {
-            arm.show(out)?;
-        }
-        out.flush()?;
+        arm.tell(arguments.json, out)?;
         if arguments.release {
             arm.release(true)?;
         }

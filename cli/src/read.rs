@@ -10,8 +10,6 @@ use std::time::Duration;
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// A table file, or the name of a shipped table.
-    table: String,
     #[command(flatten)]
     device: DeviceFlags,
     /// Answer in JSON.
@@ -33,17 +31,12 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
         Some(rate) => Some(period(rate)?),
         None => None,
     };
-    arm::with(&arguments.table, &arguments.device, Use::Look, |arm| {
+    arm::with(&arguments.device, Use::Look, |arm| {
         let clock = RealClock::new();
         loop {
             let begun = clock.now();
             arm.read()?;
-            if arguments.json {
-                writeln!(out, "{}", arm.json())?;
-            } else {
-                arm.show(out)?;
-            }
-            out.flush()?;
+            arm.tell(arguments.json, out)?;
             match every {
                 Some(every) => clock.sleep_until(begun + every),
                 None => return Ok(Status::Done),

@@ -11,11 +11,12 @@ use dh_drivers::driver::{DeviceKind, DeviceSettings};
 use dh_drivers::dynamixel::control_table::{MODELS, Model};
 use dh_drivers::dynamixel::{ServoSpec, SimulatedBus};
 use dh_drivers::mycobot::{self, SimulatedMyCobot};
-use dh_drivers::simulate::{Line, SimulatedDevice, serve};
+use dh_drivers::simulate::{Faults, Faulty, Line, SimulatedDevice, TcpLine, serve};
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// A simulated device of a table, on a pseudo-terminal that any program can open as its serial port.
 ///
@@ -29,6 +30,15 @@ pub(crate) struct Arguments {
     /// A symbolic link to the port, to have a name that stays the same. Not for tcp.
     #[arg(long, value_name = "PATH")]
     link: Option<PathBuf>,
+    /// Listen here (HOST:PORT, port 0 for any) in place of a pseudo-terminal: for programs on other systems and machines.
+    #[arg(long, value_name = "HOST:PORT", conflicts_with = "link")]
+    listen: Option<String>,
+    /// Bits per second, where they are to be others than the table's: what kind of myCobot it is depends on them.
+    #[arg(long, value_name = "RATE", value_parser = clap::value_parser!(u32).range(1..))]
+    baud: Option<u32>,
+    /// A bad line: so many percent of all frames are lost, late, cut in two, broken or doubled.
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
+    faults: f64,
     /// Motors that are K times as fast. Time-outs and delays stay as they are.
     #[arg(long, value_name = "K", default_value_t = 1.0)]
     time_scale: f64,
@@ -37,7 +47,11 @@ pub(crate) struct Arguments {
 const EXAMPLES: &str = "\
 Examples:
   dhc sim mycobot
-  dhc sim crane_x7 --link /tmp/crane_x7 --time-scale 10";
+  dhc sim crane_x7 --link /tmp/crane_x7 --time-scale 10
+  dhc sim planar2r --listen 127.0.0.1:4000 --faults 5";
+
+/// How late a frame is that comes late, at most.
+const LATE: Duration = Duration::from_millis(20);
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, Failure> {
@@ -46,9 +60,12 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
         return Err(Failure::Usage(format!("--time-scale {scale} must be more than 0")));
     }
     let robot = Robot::load(&arguments.table, Level::Quick)?;
-    let settings = device::settings(&robot)?;
+    if !(0.0..=100.0).contains(&arguments.faults) {
+        return Err(Failure::Usage(format!("--faults {} is not from 0 to 100 percent", arguments.faults)));
+    }
+    let settings = device::settings(&robot, arguments.baud)?;
     let program = robot.program()?;
-    let mut device: Box<dyn SimulatedDevice + '_> = match settings.kind {
+    let device: Box<dyn SimulatedDevice + '_> = match settings.kind {
         DeviceKind::Dynamixel => Box::new(servos(&robot, settings)?.with_time_scale(scale)),
         DeviceKind::Mycobot => {
             let arm = program.interpreter().map_err(|error| robot.unusable(&error))?;
@@ -61,6 +78,7 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
             Box::new(simulated.with_time_scale(scale))
         }
     };
+    let mut device = Faulty::new(device, Faults::evenly(arguments.faults / 100.0, LATE), 1);
     let stop = Arc::new(AtomicBool::new(false));
     let told = Arc::clone(&stop);
     ctrlc::set_handler(move || told.store(true, Ordering::Relaxed)).map_err(io::Error::other)?;
@@ -68,12 +86,23 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
     let name = line.name();
     writeln!(out, "{}", Json::Object(vec![("port", name.as_str().into())]))?;
     out.flush()?;
-    serve(device.as_mut(), line.as_mut(), &RealClock::new(), &stop)?;
+    serve(&mut device, line.as_mut(), &RealClock::new(), &stop)?;
     Ok(Status::Done)
 }
 
-#[cfg(unix)]
+/// The line that other programs open.
 fn open(arguments: &Arguments) -> Result<Box<dyn Line>, Failure> {
+    let Some(address) = &arguments.listen else { return terminal(arguments) };
+    match TcpLine::bind(address) {
+        Ok(line) => Ok(Box::new(line)),
+        Err(error) => Err(Refusal::new("port", format!("nobody can listen on {address}: {error}"))
+            .help("write HOST:PORT, as in 127.0.0.1:0")
+            .into()),
+    }
+}
+
+#[cfg(unix)]
+fn terminal(arguments: &Arguments) -> Result<Box<dyn Line>, Failure> {
     let link = arguments.link.as_deref();
     match dh_drivers::simulate::Pty::open(link) {
         Ok(pty) => Ok(Box::new(pty)),
@@ -85,11 +114,11 @@ fn open(arguments: &Arguments) -> Result<Box<dyn Line>, Failure> {
 }
 
 #[cfg(not(unix))]
-fn open(arguments: &Arguments) -> Result<Box<dyn Line>, Failure> {
+fn terminal(arguments: &Arguments) -> Result<Box<dyn Line>, Failure> {
     if arguments.link.is_some() {
         return Err(Failure::Usage("--link needs a pseudo-terminal, which this system has not".to_owned()));
     }
-    Ok(Box::new(dh_drivers::simulate::TcpLine::bind("127.0.0.1:0")?))
+    Ok(Box::new(TcpLine::bind("127.0.0.1:0")?))
 }
 
 /// The servos of all joints, and those outside the chain.

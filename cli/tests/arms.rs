@@ -6,11 +6,13 @@
 mod common;
 
 use common::{command, dhc, dhc_reading};
+use dh_drivers::clock::RealClock;
+use dh_drivers::dynamixel::{Bus, Timing};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A simulated device; it ends with its test.
 struct Sim {
@@ -89,15 +91,19 @@ fn refusals_say_why_and_move_nothing() {
         ("--problem xy --position 0.2,0.2,0.2", 2, "--position has 3 numbers where 2 are needed"),
         ("--problem xy --position 0.1,0.1 --line", 1, "singular: the smallest singular value is"),
         ("--problem xy --position 0.3,0.1", 1, "out of reach"),
-        ("--joints 0.5,0.5 --percent 0", 1, "makes no sense"),
+        ("--joints 0.5,0.5 --percent 0", 2, "`0` is no percentage: write a number above 0, and at most 100"),
+        ("--joints 0.5,0.5 --percent 101", 2, "`101` is no percentage"),
+        ("--joints 0.5,0.5 --speed -3", 2, "`-3` is no number above 0"),
+        ("--joints 4,-5", 1, "; joint 2 (J2) at -5.000000000 rad is 1.858407346 rad outside"),
         ("--joints 0.5,0.5 --line", 2, "go with --problem"),
         ("", 2, "where to?"),
     ] {
         let stderr = dhc(&format!("move planar2r --port {} {arguments}", sim.port)).failed(status);
         assert!(stderr.contains(says), "{arguments}: {stderr}");
     }
-    let json = dhc(&format!("move planar2r --port {} --joints 4,0 --json", sim.port)).json();
+    let json = dhc(&format!("move planar2r --port {} --joints 4,-5 --json", sim.port)).json();
     assert_eq!((&json["error"]["kind"], &json["error"]["joint"]), (&"outside_limits".into(), &1.into()));
+    assert_eq!(json["error"]["also"][0]["joint"], 2);
     let dry = dhc(&format!("move planar2r --port {} --joints 1,1 --dry-run", sim.port)).good();
     assert!(dry.contains("allowed"), "{dry}");
     assert_eq!(sim.joints("planar2r"), before);
@@ -109,6 +115,17 @@ fn a_device_that_is_not_there_is_said_so() {
     assert!(stderr.contains("/dev/no-such-port"), "{stderr}");
     let stderr = dhc("read scara --port /dev/null").failed(1);
     assert!(stderr.contains("[device]"), "{stderr}");
+    let stderr = dhc("read planar2r --port /dev/null").failed(1);
+    assert!(stderr.contains("/dev/null: it can't be used as a serial port"), "{stderr}");
+    let stderr = dhc("read planar2r --port tcp:localhost").failed(1);
+    assert!(stderr.contains("write tcp:HOST:PORT"), "{stderr}");
+    // Another device than the table's answers nothing that it understands.
+    let sim = Sim::of("mycobot");
+    let stderr = dhc(&format!("read planar2r --port {}", sim.port)).failed(1);
+    assert!(
+        stderr.contains("J1, ping: no answer in ") && stderr.contains("--baud gives another"),
+        "{stderr}"
+    );
     let stderr = dhc("read planar2r --port /dev/no-such-port --unit no/such.toml").failed(1);
     assert!(stderr.contains("no/such.toml"), "{stderr}");
 }
@@ -148,7 +165,9 @@ fn a_console_takes_commands() {
     // A script in which something was refused is told so at its end.
     assert_eq!(run.status, 1);
     assert_eq!(run.stdout.matches("hand at").count(), 4, "{}", run.stdout);
-    assert!(run.stderr.contains("outside its limits") && run.stderr.contains("`fly` is no command"));
+    assert!(
+        run.stderr.contains("line 3: error: refused") && run.stderr.contains("line 6: error: `fly` is no")
+    );
     let run =
         dhc_reading(&format!("console planar2r --port {}", sim.port), b"joints 0 0\nrelease anywhere\n");
     assert_eq!(run.status, 0, "{}", run.stderr);
@@ -203,6 +222,10 @@ fn a_tool_and_a_base_of_the_day() {
     let to = "--base 0.1,-0.1,0.3 --problem xy --position 0.25,0 --json";
     let hand = dhc(&format!("move planar2r --port {} {to}", sim.port)).json();
     assert_near(&numbers(&hand["hand"]["position"]), &[0.25, 0.0, 0.3], 2.0 * TWO_TICKS * 0.28);
+    // The table's problem holds the hand, the tool's point is where it is sent.
+    let to = "--tool 0.03,0,0 --problem xy_elbow_up --position 0.15,0.12 --json";
+    let hand = dhc(&format!("move planar2r --port {} {to}", sim.port)).json();
+    assert_near(&numbers(&hand["hand"]["position"]), &[0.15, 0.12, 0.0], 2.0 * TWO_TICKS * 0.31);
     let stderr = dhc(&format!("read planar2r --port {} --tool 1,2", sim.port)).failed(2);
     assert!(stderr.contains("--tool has 2 numbers where 3 or 6 are needed"), "{stderr}");
 }
@@ -227,4 +250,39 @@ fn a_mycobot_goes_tool_down_and_is_laid_to_rest() {
     let run = dhc_reading(&format!("console mycobot --port {}", sim.port), b"release\npose rest\nrelease\n");
     assert!(run.stderr.contains("the nearest safe pose is rest"), "{}", run.stderr);
     assert_eq!(run.stdout.matches("hand at").count(), 1, "{} {}", run.stdout, run.stderr);
+}
+
+/// The CRANE-X7's hand is a servo of its table, the myCobot's gripper one of its own.
+#[test]
+fn what_an_arm_has_besides_joints_is_moved_in_the_console() {
+    for (table, name, value, beyond) in
+        [("crane_x7", "hand", "0.3", "4"), ("mycobot", "gripper", "40", "101")]
+    {
+        let sim = Sim::of(table);
+        let script = format!("{name} {value}\n{name} {beyond}\n{name} x\n");
+        let run = dhc_reading(&format!("console {table} --port {}", sim.port), script.as_bytes());
+        assert!(run.stderr.contains(&format!("line 2: error: {name} takes")), "{}", run.stderr);
+        assert!(run.stderr.contains("line 3: error: `x` is no number"), "{}", run.stderr);
+        // It takes its time; what has not arrived after some twenty readings never will.
+        let wanted = format!("{name} at {value}");
+        let arrived = (0..20).any(|_| {
+            let run = dhc_reading(&format!("console {table} --port {}", sim.port), name.as_bytes());
+            run.stdout.starts_with(&wanted)
+        });
+        assert!(arrived, "{wanted}");
+    }
+}
+
+/// A servo in velocity mode takes no goals: the help says what sets it right.
+#[test]
+fn servos_are_set_to_position_mode_on_request() {
+    let sim = Sim::of("planar2r");
+    {
+        let line = dh_drivers::port::open(&sim.port, 57_600, Arc::new(RealClock::new())).unwrap();
+        Bus::new(line, Timing::default()).set_operating_mode(&[2], 1).unwrap();
+    }
+    let stderr = dhc(&format!("read planar2r --port {}", sim.port)).failed(1);
+    assert!(stderr.contains("J2, connect: operating mode is set to 1") && stderr.contains("--position-mode"));
+    dhc(&format!("read planar2r --port {} --position-mode", sim.port)).good();
+    dhc(&format!("read planar2r --port {}", sim.port)).good();
 }

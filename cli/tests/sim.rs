@@ -41,3 +41,32 @@ fn refuses_what_it_cannot_simulate() {
     assert_eq!(run.status, 1);
     assert!(run.stderr.contains("/no/such/folder/port"), "{}", run.stderr);
 }
+
+/// Over TCP, at an M5's rate, on a bad line: the arm is read, and who comes second is sent away.
+#[test]
+fn listens_where_it_is_told_to() {
+    let flags = "--listen 127.0.0.1:0 --baud 115200 --faults 1";
+    let mut child = command(&format!("sim mycobot {flags}")).spawn().unwrap();
+    let mut line = String::new();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    let port = line.split('"').nth(3).unwrap().to_owned();
+    assert!(port.starts_with("tcp:127.0.0.1:"), "{line}");
+    let mut watching =
+        command(&format!("read mycobot --baud 115200 --port {port} --watch 2")).spawn().unwrap();
+    let mut told = BufReader::new(watching.stdout.take().unwrap()).lines();
+    assert!(told.any(|line| line.unwrap().starts_with("hand at 43.60")));
+    let second = dhc(&format!("read mycobot --port {port}")).failed(1);
+    assert!(second.contains("or somebody else has the line"), "{second}");
+    for child in [&mut watching, &mut child] {
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    for (flags, says) in [
+        ("--faults 101", "--faults 101 is not from 0 to 100 percent"),
+        ("--baud 9600", "a Pi's, 115200 an M5's"),
+        ("--listen nowhere", "write HOST:PORT"),
+    ] {
+        let run = dhc(&format!("sim mycobot {flags}"));
+        assert!(run.status != 0 && run.stderr.contains(says), "{flags}: {}", run.stderr);
+    }
+}

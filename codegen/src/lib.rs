@@ -73,7 +73,10 @@ pub fn compile(text: &str, level: Level) -> Compilation {
                     diagnostics.push(diagnostic);
                 }
             }
-            let (plan, report) = verify::verify_or_else(&model, plan, level, general, &mut diagnostics);
+            let (mut plan, report) = verify::verify_or_else(&model, plan, level, general, &mut diagnostics);
+            if level == Level::Full {
+                verify::confirm(&model, &mut plan, |function| plan::second(&model, function));
+            }
             Some(Output { model, plan, report, unsolved })
         }
         _ => None,

@@ -3,6 +3,7 @@
 //! A plan holds no tokens and no language, and nothing in it assumes f64. Printers (`emit`) and the interpreter
 //! (`plan::eval`) walk it and decide nothing.
 
+mod constraints;
 mod dimension;
 /// The interpreter.
 pub mod eval;
@@ -13,6 +14,7 @@ mod general;
 mod inverse;
 mod near;
 mod schedule;
+mod unknowns;
 
 pub use general::GeneralChain;
 pub use inverse::Unsolved;
@@ -54,6 +56,18 @@ pub fn general(
         }
     });
     rated.map(|rated| rated.function)
+}
+
+/// A function of the same problem by another method: for a closed form, all joints at once; for those found at once,
+/// another joint first.
+pub fn second(model: &crate::model::Model, function: &Function) -> Option<Function> {
+    let FunctionKind::Inverse(problem) = function.kind else { return None };
+    if let [Step::General { .. }] = function.steps.as_slice() {
+        return general::rotated(function);
+    }
+    let own = problem.and_then(|index| model.problems.get(index)).cloned();
+    let entry = own.unwrap_or_else(|| inverse::full_pose(function.free.clone()));
+    general::function(model, problem, &entry).ok().map(|rated| rated.function)
 }
 
 /// How many joints of an arm with one too many are tried as the one that is given: those behind them hardly take part in
@@ -128,6 +142,40 @@ pub struct Function {
     pub counts: Counts,
     /// Inverse problems: the solving steps in order, for docs and errors.
     pub stages: Vec<Stage>,
+    /// Inverse problems: every unknown, in the order in which they are found, as a form in the joint values; `None` for
+    /// one that no joint of the arm tells.
+    pub unknowns: Vec<Option<Form>>,
+    /// Inverse problems: the equations between joint values that are prescribed besides the target.
+    pub constraints: Vec<dh_core::ConstraintTerm>,
+    /// Inverse problems: how often another method found the same solutions, where that was tried.
+    pub agreement: Option<Agreement>,
+}
+
+/// What became of a comparison with another method.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Agreement {
+    /// Its equation: "a trigonometric polynomial of degree 8 in theta4 is 0".
+    pub method: String,
+    /// At how many random poses both were asked.
+    pub poses: usize,
+    /// At how many of them they found the same solutions.
+    pub agreed: usize,
+}
+
+/// Sum of coefficient * joint value, and a constant.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Form {
+    /// (index of q, coefficient).
+    pub terms: Vec<(usize, f64)>,
+    /// rad or m
+    pub constant: f64,
+}
+
+impl Function {
+    /// Whether its solutions are all searched for at once, without a closed form.
+    pub fn is_searched(&self) -> bool {
+        self.steps.iter().any(|step| matches!(step, Step::General { .. }))
+    }
 }
 
 /// Names of the numbers that a target is made of, in the order in which they are inputs.

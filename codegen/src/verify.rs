@@ -8,6 +8,7 @@
 //! and special joint vectors that satisfy the problem's constraints; every solution must meet its target, the
 //! constraints and `where`, and the joint vector that the pose was made from must be among the solutions.
 
+mod agreement;
 mod constraints;
 mod forward;
 mod inverse;
@@ -112,6 +113,12 @@ pub fn verify_or_else(
         }
     }
     (Plan { constants: plan.constants, functions }, report)
+}
+
+/// Notes for every inverse function of a plan how often another one of the same problem finds the same solutions; `second`
+/// gives that one.
+pub fn confirm(model: &Model, plan: &mut Plan, second: impl Fn(&Function) -> Option<Function>) {
+    agreement::confirm(model, plan, second);
 }
 
 /// What is said of a function that failed.

@@ -4,8 +4,8 @@
 //! This one is the same on every host, and never more than two units in the last place from the `libm` crate's, over a
 //! million points.
 
-/// Angles are measured from those whose tangents are 0, 1/2 and 1.
-const HALF: f64 = 0.5;
+/// Angles are measured from those whose tangents are these; the last is never used.
+const TANGENTS: [f64; 4] = [0.0, 0.5, 1.0, 0.0];
 
 /// Up to this quotient of the smaller coordinate and the greater one an angle is measured from 0.
 const FROM_ZERO: f64 = 0.25;
@@ -64,14 +64,10 @@ pub(crate) fn atan2(y: f64, x: f64) -> f64 {
         // Zeros, infinities, what is no number, and what would over- or underflow.
         return libm::atan2(y, x);
     }
-    let (from_half, from_one) = (less >= FROM_ZERO * greater, less >= FROM_HALF * greater);
-    let origin = if from_one {
-        1.0
-    } else if from_half {
-        HALF
-    } else {
-        0.0
-    };
+    // Choices are places in tables: which of them is taken cannot be foreseen.
+    let range = usize::from(less >= FROM_ZERO * greater) + usize::from(less >= FROM_HALF * greater);
+    let place = range + 4 * usize::from(ay > ax) + 8 * usize::from(x.is_sign_negative());
+    let origin = TANGENTS[range & 3];
     // The tangent of the difference; its numerator is exact.
     let r = (less - origin * greater) / (greater + origin * less);
     let z = r * r;
@@ -81,14 +77,9 @@ pub(crate) fn atan2(y: f64, x: f64) -> f64 {
     let low = (s0 + s1 * z) + (s2 + s3 * z) * z2;
     let high = (s4 + s5 * z) + (s6 + s7 * z) * z2;
     let series = low + (high + s8 * z4) * z4;
-    let place = usize::from(from_half)
-        + usize::from(from_one)
-        + 4 * usize::from(ay > ax)
-        + 8 * usize::from(x.is_sign_negative());
     let (angle, sense, rest) = ORIGINS[place & 15];
     let turned = sense * r;
-    let angle = angle + (turned + (turned * (z * series) + rest));
-    if y.is_sign_negative() { -angle } else { angle }
+    (angle + (turned + (turned * (z * series) + rest))).copysign(y)
 }
 
 #[cfg(test)]

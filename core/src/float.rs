@@ -1,10 +1,10 @@
 //! The scalar: f64 or f32, with the few functions that kinematics needs.
 
-use crate::arctangent;
+use crate::{arctangent, sine};
 use core::fmt::{Debug, Display, LowerExp};
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// A real scalar. Implemented for `f64` and `f32`, by the `libm` crate and an arc tangent of our own only, so that every host
+/// A real scalar. Implemented for `f64` and `f32`, by the `libm` crate and sines and an arc tangent of our own only, so that every host
 /// gives the same bits.
 ///
 /// Generated code calls these as `Float::sin_cos(x)`, never as `x.sin_cos()`, which would be the host's function where
@@ -98,11 +98,22 @@ pub trait Float:
 }
 
 /// The value in (-period/2, period/2] that differs from `value` by a whole number of periods.
+#[inline]
 pub(crate) fn wrap<S: Float>(value: S, period: S) -> S {
     let half = period / S::TWO;
-    if value > -half && value <= half {
-        return value;
+    if value.abs() < half + period {
+        // Sums of two angles are on either side of the ends about as often as between them: a table instead of branches.
+        let [above, below] = [value > half, value <= -half].map(usize::from);
+        return value - [S::ZERO, period, -period, S::ZERO][(above + 2 * below) & 3];
     }
+    wrap_far(value, period)
+}
+
+/// [`wrap`], of values that are more than one period off.
+#[cold]
+#[inline(never)]
+fn wrap_far<S: Float>(value: S, period: S) -> S {
+    let half = period / S::TWO;
     let wrapped = value - ((value - half) / period).ceil() * period;
     // The quotient is rounded: next to the ends it may be off by one.
     if wrapped <= -half {
@@ -115,7 +126,7 @@ pub(crate) fn wrap<S: Float>(value: S, period: S) -> S {
 }
 
 macro_rules! float {
-    ($type:ident, $sqrt_epsilon:expr, $sincos:ident, $sqrt:ident, $hypot:ident, $fabs:ident, $floor:ident, $ceil:ident, $round:ident) => {
+    ($type:ident, $sqrt_epsilon:expr, $sincos:path, $sqrt:ident, $hypot:ident, $fabs:ident, $floor:ident, $ceil:ident, $round:ident) => {
         impl Float for $type {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -137,7 +148,7 @@ macro_rules! float {
             }
             #[inline]
             fn sin_cos(self) -> (Self, Self) {
-                libm::$sincos(self)
+                $sincos(self)
             }
             #[inline]
             fn atan2(self, x: Self) -> Self {
@@ -176,5 +187,5 @@ macro_rules! float {
 }
 
 // 2^-26, and 2^-11.5 to the last bit.
-float!(f64, 1.490_116_119_384_765_6e-8, sincos, sqrt, hypot, fabs, floor, ceil, round);
-float!(f32, 3.452_669_8e-4, sincosf, sqrtf, hypotf, fabsf, floorf, ceilf, roundf);
+float!(f64, 1.490_116_119_384_765_6e-8, sine::sin_cos, sqrt, hypot, fabs, floor, ceil, round);
+float!(f32, 3.452_669_8e-4, libm::sincosf, sqrtf, hypotf, fabsf, floorf, ceilf, roundf);

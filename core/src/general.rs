@@ -15,6 +15,7 @@
 //! as well. Which choices suit an arm best is found by the compiler.
 
 mod circuit;
+mod continuum;
 mod jacobian;
 mod line;
 mod linear;
@@ -103,6 +104,8 @@ pub struct Chart {
     pub divided: bool,
     /// Degree of the polynomial.
     pub degree: u8,
+    /// How often it repeats itself in a turn of the joint; its degree is that of one period.
+    pub periods: u8,
 }
 
 impl Chart {
@@ -115,7 +118,13 @@ impl Chart {
         divided: bool,
         degree: u8,
     ) -> Self {
-        Self { dropped, backward, hidden, swapped, divided, degree }
+        Self { dropped, backward, hidden, swapped, divided, degree, periods: 1 }
+    }
+
+    /// The same for a polynomial that repeats itself in a turn.
+    #[must_use]
+    pub const fn repeated(self, periods: u8) -> Self {
+        Self { periods, ..self }
     }
 
     /// The joint whose angle the polynomial is in.
@@ -154,6 +163,8 @@ pub struct Outcome {
     pub miss: f64,
     /// How far (rad, reaches) Newton's method had to go from the worst of the roots.
     pub moved: f64,
+    /// Whether a choice of joints before was doubtful, or this one.
+    pub doubted: bool,
 }
 
 impl SixJoints<'_> {
@@ -183,17 +194,12 @@ impl SixJoints<'_> {
             for (size, side) in NEIGHBOURS {
                 let [x, y, z, roll, pitch, yaw] = side.map(|part| part * size);
                 let step = Frame::from_rpy([x, y, z].map(|length| length * self.reach), [roll, pitch, yaw]);
-                let from = self.solve_from(*chart, &pose.compose(&step), pose, &mut |solution: &_| {
-                    count += 1;
-                    found(solution);
-                });
+                let from = self.solve_from(*chart, &pose.compose(&step), pose, &mut found);
                 outcome = Outcome { doubtful: true, ..outcome.and(from) };
             }
         }
-        if count > 0 {
-            return outcome;
-        }
-        // At the edge of the workspace no neighbour may be attainable; there, Newton's method needs no polynomial.
+        // At the edge of the workspace no neighbour may be attainable, and on some arms roots are double at every pose; there,
+        // Newton's method needs no polynomial.
         let (scaled, target) = (self.scaled(), self.in_reaches(pose));
         for start in starts() {
             if let Some(solution) = scaled.nearby(&target, &start) {
@@ -221,7 +227,7 @@ impl SixJoints<'_> {
         let Some(resultant) = Resultant::new(&circuit, chart) else {
             return Outcome::UNKNOWN;
         };
-        let (waves, noise) = resultant.waves(chart.degree);
+        let (waves, noise) = resultant.waves();
         if noise > USELESS || noise.is_nan() {
             return Outcome::UNKNOWN;
         }
@@ -229,12 +235,18 @@ impl SixJoints<'_> {
         let roots = waves.roots();
         let miss = if roots.as_slice().is_empty() { waves.miss(&roots) } else { 0.0 };
         let degenerate = noise > NOISE || resultant.pivot < PIVOT;
-        let mut outcome = Outcome { doubtful: roots.doubtful || degenerate, miss, moved: 0.0 };
+        let doubtful = roots.doubtful || degenerate;
+        let mut outcome = Outcome { doubtful, miss, moved: 0.0, doubted: false };
         let mut known = [[f64::NAN; JOINTS]; 2 * waves::MAX_ROOTS];
         let mut count = 0;
-        for root in roots.as_slice() {
-            let mut hit = false;
-            for q in circuit.rest(resultant.others(*root)).iter().flatten() {
+        let periods = chart.periods.max(1);
+        let likely = roots.as_slice().iter().map(|root| (*root, true));
+        let places = likely.chain(roots.unlikely().iter().map(|root| (*root, false)));
+        let places = places.flat_map(|place| (0..periods).map(move |turn| (place, turn)));
+        for ((root, likely), turn) in places {
+            let root = (root + f64::from(turn) * core::f64::consts::TAU) / f64::from(periods);
+            let mut hit = !likely;
+            for q in circuit.rest(resultant.others(root)).iter().flatten() {
                 let Some(solution) = scaled.nearby(&target, q) else { continue };
                 let moved = solution.iter().zip(q).map(|(to, from)| libm::fabs(to - from));
                 let moved = moved.fold(0.0, |most, x| if x > most { x } else { most });
@@ -243,10 +255,12 @@ impl SixJoints<'_> {
                 hit |= libm::fabs(unknown(&solution) - unknown(q)) <= FAR;
                 if known.iter().take(count).any(|other| same(other, &solution, self.prismatic, SAME)) {
                     // Two roots have gone to one solution: another may have none.
-                    outcome.doubtful = true;
+                    outcome.doubtful |= likely;
                 } else if let Some(place) = known.get_mut(count) {
                     *place = solution;
                     count += 1;
+                    // Where one is that should not be, the polynomial is not to be trusted.
+                    outcome.doubtful |= !likely;
                 }
                 found(&self.in_metres(solution));
             }
@@ -290,7 +304,7 @@ impl SixJoints<'_> {
     /// chart's degree is too low.
     pub fn noise(&self, chart: Chart, pose: &Frame) -> f64 {
         let circuit = self.scaled().circuit(chart, &self.in_reaches(pose));
-        Resultant::new(&circuit, chart).map_or(f64::INFINITY, |resultant| resultant.waves(chart.degree).1)
+        Resultant::new(&circuit, chart).map_or(f64::INFINITY, |resultant| resultant.waves().1)
     }
 
     fn circuit(&self, chart: Chart, pose: &Frame) -> Circuit {
@@ -312,11 +326,12 @@ impl SixJoints<'_> {
 }
 
 impl Outcome {
-    const UNKNOWN: Self = Self { doubtful: true, miss: f64::INFINITY, moved: f64::INFINITY };
+    const UNKNOWN: Self = Self { doubtful: true, miss: f64::INFINITY, moved: f64::INFINITY, doubted: false };
 
     /// After one more search.
     fn and(self, other: Self) -> Self {
-        Self { miss: if other.miss < self.miss { other.miss } else { self.miss }, ..other }
+        let miss = if other.miss < self.miss { other.miss } else { self.miss };
+        Self { miss, doubted: self.doubted || other.doubtful, ..other }
     }
 }
 

@@ -1,14 +1,15 @@
 //! One robot as motion, drivers and the command line see it.
 
 use crate::{
-    Float, Frame, IkError, Joint, LengthError, Redundancy, Rules, SolutionSet, Target, TargetKind, Violations,
+    ConstraintTerm, Float, Frame, IkError, Joint, LengthError, MAX_JOINTS, Reachable, Redundancy, Rules,
+    Seed, SolutionSet, Target, TargetKind, Violations,
 };
 
 /// The name of the inverse problem of the full pose.
 pub const FULL_POSE: &str = "pose";
 
 /// An inverse problem that a robot can solve.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProblemInfo<'a> {
     /// Its name in the table; [`FULL_POSE`] for the full pose.
     pub name: &'a str,
@@ -16,6 +17,8 @@ pub struct ProblemInfo<'a> {
     pub target: TargetKind,
     /// Joints left to the caller (indices of q).
     pub free: &'a [usize],
+    /// Equations between the joint values that it prescribes besides.
+    pub constraints: &'a [ConstraintTerm],
 }
 
 /// The kinematics of one robot, over slices, so that it can be used as `&dyn Kinematics`. Every generated arm and the
@@ -69,7 +72,12 @@ pub trait Kinematics<S: Float = f64> {
     ///
     /// # Errors
     /// Why there is none; `out` is empty then. [`IkError::Length`] where a problem leaves several joints to the caller.
-    fn ik_into(&self, problem: &str, target: &Target<S>, out: &mut SolutionSet<S>) -> Result<(), IkError<S>>;
+    fn ik_into(&self, problem: &str, target: &Target<S>, out: &mut SolutionSet<S>) -> Result<(), IkError<S>> {
+        match self.redundancy(problem) {
+            Some(redundancy) => redundancy.sweep_into(self, problem, target, out),
+            None => self.ik_seeded_into(problem, target, &[], None, out),
+        }
+    }
 
     /// The same with the joints that the problem leaves to the caller at `free` (rad or m, in the order of
     /// [`ProblemInfo::free`]).
@@ -83,10 +91,21 @@ pub trait Kinematics<S: Float = f64> {
         free: &[S],
         out: &mut SolutionSet<S>,
     ) -> Result<(), IkError<S>> {
-        out.clear();
-        LengthError::check(0, free.len())?;
-        self.ik_into(problem, target, out)
+        self.ik_seeded_into(problem, target, free, None, out)
     }
+
+    /// The same; a joint that the target leaves free is set as near to the seed as the others can follow.
+    ///
+    /// # Errors
+    /// Those of [`Kinematics::ik_at_into`]; [`IkError::Length`] where the seed has not a value a joint.
+    fn ik_seeded_into(
+        &self,
+        problem: &str,
+        target: &Target<S>,
+        free: &[S],
+        seed: Option<Seed<'_, S>>,
+        out: &mut SolutionSet<S>,
+    ) -> Result<(), IkError<S>>;
 
     /// How the solutions of a problem hang on the one joint that it leaves to the caller; `None` where it leaves none,
     /// or several.
@@ -113,7 +132,7 @@ pub trait Kinematics<S: Float = f64> {
         self.fk(q).map(|tool| tool.translation)
     }
 
-    /// The solutions that limits and rules allow: see [`Solutions::within`](crate::Solutions::within). Where one joint
+    /// The solutions that limits and rules allow: see [`Rules::allowed`]. Where one joint
     /// is left to the caller: those of a sweep over its values that are nearest to the seed (without one, to the middle
     /// of the limits); of the full pose with a seed the first is the nearest that there is, see
     /// [`Redundancy::nearest`].
@@ -130,9 +149,43 @@ pub trait Kinematics<S: Float = f64> {
         if let Some(redundancy) = self.redundancy(problem) {
             return redundancy.within_into(self, problem, target, seed, out);
         }
-        self.ik_into(problem, target, out)?;
+        out.clear();
+        let dof = self.dof();
+        if let Some(seed) = seed {
+            LengthError::check(dof, seed.len())?;
+        }
+        let seed = seed.map(padded);
+        let solve = |seed: Seed<'_, S>| {
+            let mut set = SolutionSet::new();
+            self.ik_seeded_into(problem, target, &[], Some(seed), &mut set)?;
+            Ok(set.into_padded())
+        };
         // The solutions have the right length: the point is always there.
-        out.within(&self.rules(), |q| self.rules_point(q).unwrap_or([S::NAN; 3]), seed)
+        let point = |q: &[S; MAX_JOINTS]| self.rules_point(q.get(..dof).unwrap_or(q)).unwrap_or([S::NAN; 3]);
+        out.fill_padded(dof, self.rules().allowed(solve, point, seed.as_ref())?);
+        Ok(())
+    }
+
+    /// The joint values inside their limits, and the tool frame there, that come nearest to a target, for one that cannot be
+    /// reached: the sum of the squares of [`Target::errors`] is least, rad beside lengths in the size of the arm (the
+    /// distances of its frames' origins, one to the next, in the middle of the limits). A problem's constraints on joints are
+    /// kept (to about 1e-8 of what the target is missed by, in f64), its `where` and the rules of the workspace are not looked
+    /// at.
+    ///
+    /// Damped Gauss-Newton steps lead downhill from the seed (rad or m; without one, from the middle of the
+    /// limits) and from 15 places more. What they find is a least distance near there; nothing proves that there is no
+    /// nearer target. It takes about as long as some thousand poses; no other function pays for it.
+    ///
+    /// # Errors
+    /// Those of [`Target::validate_as`]; [`IkError::UnknownProblem`]; [`IkError::Length`] where the seed has not a value a
+    /// joint.
+    fn nearest_reachable(
+        &self,
+        problem: &str,
+        target: &Target<S>,
+        seed: Option<&[S]>,
+    ) -> Result<Reachable<S>, IkError<S>> {
+        crate::reachable::nearest(self, problem, target, seed)
     }
 
     /// Whether limits and rules allow these joint values.
@@ -146,6 +199,13 @@ pub trait Kinematics<S: Float = f64> {
             Err(_) => Err(Violations::of_length(self.rules(), q)),
         }
     }
+}
+
+/// Joint values with 0 behind them.
+pub(crate) fn padded<S: Float>(q: &[S]) -> [S; MAX_JOINTS] {
+    let mut padded = [S::ZERO; MAX_JOINTS];
+    padded.iter_mut().zip(q).for_each(|(to, from)| *to = *from);
+    padded
 }
 
 /// A borrowed robot is one, `&dyn Kinematics` too: what takes a robot by value, like [`Mounted`](crate::Mounted), can
@@ -181,14 +241,15 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Kinematics<S> for &K {
     fn ik_into(&self, problem: &str, target: &Target<S>, out: &mut SolutionSet<S>) -> Result<(), IkError<S>> {
         (**self).ik_into(problem, target, out)
     }
-    fn ik_at_into(
+    fn ik_seeded_into(
         &self,
         problem: &str,
         target: &Target<S>,
         free: &[S],
+        seed: Option<Seed<'_, S>>,
         out: &mut SolutionSet<S>,
     ) -> Result<(), IkError<S>> {
-        (**self).ik_at_into(problem, target, free, out)
+        (**self).ik_seeded_into(problem, target, free, seed, out)
     }
     fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, S>> {
         (**self).redundancy(problem)

@@ -1,10 +1,12 @@
 //! A robot with a tool or a base frame that is known only at run time.
 
+mod tool_point;
+
 use core::fmt;
 
 use crate::frame::{add, cross};
 use crate::{
-    Float, Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rules, SolutionSet,
+    Float, Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rules, Seed, SolutionSet,
     Target, TargetKind,
 };
 
@@ -14,8 +16,9 @@ use crate::{
 /// with the table's base frame, and are checked for the point of the mounted tool.
 ///
 /// An inverse problem is handed to the robot with both frames taken out of the target. That is exact for poses and
-/// rotations. Other targets say too little of the tool frame to take a tool out of them: they are solved without a
-/// tool only. A yaw survives only a base that is turned about z alone. Where it cannot be done exactly,
+/// rotations. Targets that say where the tool point is and not how the tool is turned are solved step by step: each
+/// solution meets its target, but that all are found is not certain. A tool that turns the hand leaves nothing to be said
+/// of targets with a yaw or a direction; a yaw survives only a base that is turned about z alone. Where it cannot be done,
 /// [`IkError::Mounting`] says so.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mounted<K, S = f64> {
@@ -68,13 +71,19 @@ impl<K, S: Float> Mounted<K, S> {
 
     /// What to ask of the robot for this target.
     fn target_of_arm(&self, target: &Target<S>) -> Result<Target<S>, IkError<S>> {
+        let target_kind = target.kind();
+        let any_tool = matches!(target_kind, TargetKind::Pose | TargetKind::Rotation);
+        if !any_tool && self.tool != Frame::IDENTITY {
+            return Err(IkError::Mounting { frame: MountingFrame::Tool, target: target_kind });
+        }
+        self.target_on_base(target)
+    }
+
+    /// The same, where the tool does not matter or is the whole target's.
+    fn target_on_base(&self, target: &Target<S>) -> Result<Target<S>, IkError<S>> {
         let kind = target.kind();
         let unclear = |frame| Err(IkError::Mounting { frame, target: kind });
         let world = self.base.inverse();
-        let any_tool = matches!(kind, TargetKind::Pose | TargetKind::Rotation);
-        if !any_tool && self.tool != Frame::IDENTITY {
-            return unclear(MountingFrame::Tool);
-        }
         let [[_, _, r13], [r21, r22, r23], [r31, r32, r33]] = world.rotation;
         let rounding = S::from_f64(ABOUT_Z) * S::EPSILON;
         let about_z = r33 > S::ZERO && [r13, r23, r31, r32].iter().all(|r| r.abs() <= rounding);
@@ -114,6 +123,30 @@ impl<K, S: Float> Mounted<K, S> {
 }
 
 impl<K: Kinematics<S>, S: Float> Mounted<K, S> {
+    /// Solves a target, `solve` being the robot's own problem.
+    fn solve(
+        &self,
+        target: &Target<S>,
+        solve: &tool_point::Solver<'_, S>,
+        out: &mut SolutionSet<S>,
+    ) -> Result<(), IkError<S>> {
+        out.clear();
+        let target = target.validate()?;
+        match self.target_of_arm(&target) {
+            Ok(asked) => solve(&asked, out)?,
+            Err(IkError::Mounting { frame: MountingFrame::Tool, .. })
+                if tool_point::is_of_place(&target, &self.tool) =>
+            {
+                let bare =
+                    |target: &Target<S>, out: &mut SolutionSet<S>| solve(&self.target_on_base(target)?, out);
+                tool_point::solve(self, (&self.base, &self.tool), &target, &bare, out)?;
+            }
+            Err(error) => return Err(error),
+        }
+        self.measure(&target, out);
+        Ok(())
+    }
+
     /// Errors of solutions against the target of the mounted tool.
     fn measure(&self, target: &Target<S>, out: &mut SolutionSet<S>) {
         let error = (S::INFINITY, S::INFINITY);
@@ -177,26 +210,18 @@ impl<K: Kinematics<S>, S: Float> Kinematics<S> for Mounted<K, S> {
         Ok(())
     }
 
-    fn ik_into(&self, problem: &str, target: &Target<S>, out: &mut SolutionSet<S>) -> Result<(), IkError<S>> {
-        out.clear();
-        let target = target.validate()?;
-        self.arm.ik_into(problem, &self.target_of_arm(&target)?, out)?;
-        self.measure(&target, out);
-        Ok(())
-    }
-
-    fn ik_at_into(
+    fn ik_seeded_into(
         &self,
         problem: &str,
         target: &Target<S>,
         free: &[S],
+        seed: Option<Seed<'_, S>>,
         out: &mut SolutionSet<S>,
     ) -> Result<(), IkError<S>> {
-        out.clear();
-        let target = target.validate()?;
-        self.arm.ik_at_into(problem, &self.target_of_arm(&target)?, free, out)?;
-        self.measure(&target, out);
-        Ok(())
+        let solve = |target: &Target<S>, out: &mut SolutionSet<S>| {
+            self.arm.ik_seeded_into(problem, target, free, seed, out)
+        };
+        self.solve(target, &solve, out)
     }
 
     fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, S>> {

@@ -29,7 +29,15 @@ pub struct Redundancy<'a, S = f64> {
     /// Whether it prescribes the whole pose of the tool frame and nothing else, so that its solutions are the curves of
     /// the Jacobian's null space.
     pub whole_pose: bool,
+    /// How many values of the free joint [`Redundancy::nearest`] tries over the whole range, where it has to.
+    pub samples: u32,
 }
+
+/// How many values of the free joint a search for the nearest solution tries.
+const SAMPLES: u32 = 48;
+
+/// The same where solutions at one of them are a search of their own, and take as long as thousands of closed forms.
+const FEW_SAMPLES: u32 = 6;
 
 /// Values of the joints that a problem leaves to the caller: a number where it is one joint, else an array.
 pub trait FreeValues<const K: usize, S = f64> {
@@ -76,15 +84,21 @@ impl<S: Float> Range<S> {
     }
 }
 
-impl<'a, S> Redundancy<'a, S> {
+impl<'a, S: Copy> Redundancy<'a, S> {
     /// The full pose of an arm with this reach (m), with this joint (index of q) left to the caller.
     pub const fn of_pose(joint: usize, rules: Rules<'a, S>, reach: S) -> Self {
-        Self { joint, rules, reach, whole_pose: true }
+        Self { joint, rules, reach, whole_pose: true, samples: SAMPLES }
     }
 
     /// Another problem that leaves this joint to the caller.
     pub const fn of_problem(joint: usize, rules: Rules<'a, S>, reach: S) -> Self {
-        Self { joint, rules, reach, whole_pose: false }
+        Self { joint, rules, reach, whole_pose: false, samples: SAMPLES }
+    }
+
+    /// The same for a problem without a closed form: [`Redundancy::nearest`] tries few values of the free joint.
+    pub const fn searched(self) -> Self {
+        let Self { joint, rules, reach, whole_pose, .. } = self;
+        Self { joint, rules, reach, whole_pose, samples: FEW_SAMPLES }
     }
 }
 

@@ -138,12 +138,13 @@ impl<S: Float> Winding<'_, S> {
             return;
         }
         *value = crate::float::wrap(before, self.turn);
+        if self.carries.is_empty() {
+            return;
+        }
         let turns = ((*value - before) / self.turn).round();
-        if turns != S::ZERO {
-            for (joint, carried) in self.carries {
-                if let Some(value) = q.get_mut(*joint) {
-                    *value += turns * *carried;
-                }
+        for (joint, carried) in self.carries {
+            if let Some(value) = q.get_mut(*joint) {
+                *value += turns * *carried;
             }
         }
     }

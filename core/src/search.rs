@@ -15,7 +15,9 @@ pub use general::Candidates;
 pub use near::{Near, Nearly};
 pub use roots::Roots;
 
-use crate::{Float, IkError, Rule, Solution, Solutions, Step, Winding, residual_tolerance};
+use free::Free;
+
+use crate::{Float, IkError, Rule, Solution, Solutions, Step, Wanted, Winding, residual_tolerance};
 
 /// Coefficients up to this many machine epsilons (of the size of the numbers that the equation is made of) are what
 /// rounding leaves of 0.
@@ -50,8 +52,10 @@ pub struct Search<'a, const N: usize, S = f64> {
     solutions: Solutions<N, S>,
     /// Bit i is set where step i, solved last, left its unknown free.
     free_steps: u32,
-    /// The first row of each free step.
-    free_rows: [u8; u32::BITS as usize],
+    /// The first row of what each step left free.
+    free_rows: [u8; N],
+    /// What was tried of each step that is free, or was.
+    free: [Option<Free<S>>; N],
     failure: Option<Failure<S>>,
     /// How many candidates were taken, those that were there already included.
     accepted: u32,
@@ -59,6 +63,8 @@ pub struct Search<'a, const N: usize, S = f64> {
     doubtful: bool,
     /// Whether solutions that are off were brought nearer to their target: then those that stay off miss it.
     polished: bool,
+    /// What the unknowns are at joint values to be near to, and how far from there free ones are tried first.
+    wanted: Option<(&'a [S], S)>,
 }
 
 /// Why a branch ended.
@@ -86,14 +92,22 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         Self {
             reach,
             windings,
-            solutions: Solutions::empty(),
+            solutions: Solutions::EMPTY,
             free_steps: 0,
-            free_rows: [0; u32::BITS as usize],
+            free_rows: [0; N],
+            free: core::array::from_fn(|_| None),
             failure: None,
             accepted: 0,
             doubtful: false,
             polished: false,
+            wanted: None,
         }
+    }
+
+    /// The same; unknowns that the target leaves free are set as near as can be to what is wanted of them.
+    #[inline]
+    pub fn about<const K: usize>(reach: S, windings: &'a [Winding<'a, S>], wanted: &'a Wanted<K, S>) -> Self {
+        Self { wanted: wanted.view(), ..Self::new(reach, windings) }
     }
 
     /// Takes a candidate (rad or m) with its errors against the target (m, rad). Revolute joints are brought to
@@ -125,15 +139,14 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     /// Where nothing was: the failure of the branch that came furthest; of several at the same step, the one that
     /// failed by least.
     #[inline]
-    pub fn finish(self) -> Result<Solutions<N, S>, IkError<S>> {
-        let mut solutions = self.solutions;
+    pub fn finish(&mut self) -> Result<Solutions<N, S>, IkError<S>> {
         if self.polished {
-            solutions.drop_misses(self.reach);
+            self.solutions.drop_misses(self.reach);
         }
-        if solutions.is_empty() {
+        if self.solutions.is_empty() {
             return Err(self.failure.map_or(IkError::NotFinite, |failure| failure.error));
         }
-        Ok(solutions)
+        Ok(self.solutions.copied())
     }
 
     fn fail(&mut self, depth: u32, miss: S, error: IkError<S>) {
@@ -167,7 +180,14 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             return self.singular(step, gap, scale);
         }
         self.mark_free(step);
-        Roots::any(step, S::ZERO, self.accepted)
+        self.free(Free::any(step, self.wanted_of(step), self.accepted))
+    }
+
+    /// What is wanted (rad or m) of the unknown of a step.
+    fn wanted_of(&self, step: Step) -> Option<S> {
+        let (unknowns, aside) = self.wanted?;
+        let value = *unknowns.get(usize::from(step.index))? + aside * step.half_range(self.reach);
+        value.is_finite().then_some(value)
     }
 
     fn mark_free(&mut self, step: Step) {

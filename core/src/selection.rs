@@ -25,7 +25,7 @@ impl<const N: usize, S: Float> Solutions<N, S> {
         position_of: impl Fn(&[S; N]) -> [S; 3],
         seed: Option<&[S; N]>,
     ) -> Result<Self, IkError<S>> {
-        let mut allowed = Self::empty();
+        let mut allowed = Self::EMPTY;
         let mut refusal: Option<Refusal<S>> = None;
         for solution in &self {
             let verdict = representative(solution, rules, seed).and_then(|q| {
@@ -137,6 +137,12 @@ fn turns_towards<S: Float>(winding: &Winding<'_, S>, rules: &Rules<'_, S>, q: &[
     let (Some(value), Some(reference)) = (q.get(winding.joint), reference.get(winding.joint)) else {
         return S::ZERO;
     };
+    let apart = (*reference - *value).abs();
+    let nearest = apart + apart < winding.turn;
+    let limits = rules.joints.get(winding.joint).and_then(|joint| joint.limits);
+    if nearest && limits.is_none_or(|limits| limits.contains(*value)) {
+        return S::ZERO;
+    }
     let wanted = ((*reference - *value) / winding.turn).round();
     let Some((first, last)) = turns_inside(winding, rules, q) else {
         return if wanted.is_finite() { wanted } else { S::ZERO };
@@ -146,10 +152,7 @@ fn turns_towards<S: Float>(winding: &Winding<'_, S>, rules: &Rules<'_, S>, q: &[
         return wanted.max(first).min(last);
     }
     // No turn is inside: `last` is below the limits, `first` above.
-    let excess = |turns: S| {
-        let limits = rules.joints.get(winding.joint).and_then(|joint| joint.limits);
-        limits.map_or(S::ZERO, |limits| limits.excess(*value + turns * winding.turn))
-    };
+    let excess = |turns: S| limits.map_or(S::ZERO, |limits| limits.excess(*value + turns * winding.turn));
     if excess(last) < excess(first) { last } else { first }
 }
 

@@ -34,7 +34,7 @@ impl<S: Float> SolutionView<'_, S> {
 impl<S: Float> SolutionSet<S> {
     /// An empty set.
     pub const fn new() -> Self {
-        Self { dof: 0, solutions: Solutions::empty() }
+        Self { dof: 0, solutions: Solutions::EMPTY }
     }
 
     /// The solutions of a robot with `N` joints (at most [`MAX_JOINTS`]).
@@ -47,7 +47,7 @@ impl<S: Float> SolutionSet<S> {
     /// Replaces what is in the set by solutions of which the first `dof` (at most [`MAX_JOINTS`]) joint values count.
     pub fn fill<const N: usize>(&mut self, dof: usize, solutions: &Solutions<N, S>) {
         self.dof = dof.min(N).min(MAX_JOINTS);
-        self.solutions = Solutions::empty();
+        self.solutions = Solutions::EMPTY;
         for Solution { q: from, position_error, rotation_error, free } in solutions {
             let mut q = [S::ZERO; MAX_JOINTS];
             for (to, from) in q.iter_mut().zip(from).take(self.dof) {
@@ -132,7 +132,7 @@ impl<S: Float> SolutionSet<S> {
         seed: Option<&[S]>,
     ) -> Result<(), IkError<S>> {
         let dof = self.dof;
-        let solutions = core::mem::replace(&mut self.solutions, Solutions::empty());
+        let solutions = core::mem::replace(&mut self.solutions, Solutions::EMPTY);
         let seed = match seed {
             Some(seed) => {
                 LengthError::check(dof, seed.len())?;

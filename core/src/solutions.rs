@@ -51,15 +51,21 @@ const DUPLICATE: f64 = 16.0;
 const EXACT: f64 = 16_384.0;
 
 impl<const N: usize, S: Float> Solutions<N, S> {
-    pub(crate) const fn empty() -> Self {
+    /// None. As a constant it is one copy of memory; an array that is filled costs more than a step of a solution.
+    pub(crate) const EMPTY: Self = {
         let nothing =
             Solution { q: [S::ZERO; N], position_error: S::ZERO, rotation_error: S::ZERO, free: None };
         Self { items: [nothing; MAX_SOLUTIONS], len: 0, dropped: 0 }
+    };
+
+    /// The same set in one copy of memory, which a clone is not.
+    pub(crate) fn copied(&self) -> Self {
+        Self { items: self.items, len: self.len, dropped: self.dropped }
     }
 
     /// A set of one solution.
     pub fn one(solution: Solution<N, S>) -> Self {
-        let mut solutions = Self::empty();
+        let mut solutions = Self::EMPTY;
         solutions.append(solution);
         solutions
     }

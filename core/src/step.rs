@@ -50,6 +50,11 @@ impl Step {
         if self.rows == 0 { 0 } else { self.rows.trailing_zeros() as usize }
     }
 
+    /// How far from 0 its unknown goes, at most: half a turn, or the reach (m).
+    pub(crate) fn half_range<S: Float>(self, reach: S) -> S {
+        if self.prismatic { reach } else { S::PI }
+    }
+
     /// Whether the excess of [`IkError::Unreachable`](crate::IkError::Unreachable) is in metres rather than a ratio.
     pub const fn excess_is_length(&self) -> bool {
         self.prismatic || matches!(self.measure, Measure::Length)

@@ -1,8 +1,11 @@
 //! From a table's `[device]` to its driver.
 
 use crate::clock::Clock;
-use crate::driver::{DeviceJoint, DeviceKind, DeviceSettings, Driver, DriverError, JointMap, MapError};
-use crate::dynamixel::control_table::Model;
+use crate::driver::{
+    Cause, DeviceJoint, DeviceKind, DeviceSettings, Driver, DriverError, JointMap, MapError,
+};
+use crate::dynamixel::control_table::{MODELS, Model};
+use crate::dynamixel::packet::MAX_ID;
 use crate::dynamixel::{self, ServoSpec};
 use crate::mycobot;
 use crate::port::Port;
@@ -51,6 +54,38 @@ pub fn connect(
     })
 }
 
+/// The same with servos besides those of the joints: a table's `[[servo]]`. Drivers whose devices have attachments of
+/// their own take none.
+///
+/// # Errors
+/// As [`connect`], and where such a servo is another one than the table says.
+pub fn connect_with(
+    settings: DeviceSettings,
+    joints: JointMap,
+    attachments: Vec<DeviceJoint>,
+    port: Box<dyn Port>,
+) -> Result<Box<dyn Driver>, ConnectError> {
+    if settings.kind != DeviceKind::Dynamixel {
+        return connect(settings, joints, port);
+    }
+    let bus = dynamixel::Bus::new(port, dynamixel::Timing::default());
+    let arm = dynamixel::Arm::connect(bus, joints, dynamixel::Settings::default());
+    let arm = arm.and_then(|arm| arm.with_attachments(attachments)).map_err(ConnectError::Driver)?;
+    Ok(Box::new(arm))
+}
+
+/// Switches on a device that does not know where it is without power; it holds there. Whether that was needed.
+///
+/// # Errors
+/// What the device says, to be asked or to be switched on.
+pub fn wake(driver: &mut dyn Driver) -> Result<bool, DriverError> {
+    match driver.read_state() {
+        Ok(_) => Ok(false),
+        Err(error) if error.cause == Cause::PowerOff => driver.torque(true).map(|()| true),
+        Err(error) => Err(error),
+    }
+}
+
 /// A simulated device of this arm, in this process, and the port to it. All joints are at 0, or as near to it as their
 /// limits let them be. On a [`VirtualClock`](crate::clock::VirtualClock) waiting for it takes no time.
 ///
@@ -78,10 +113,13 @@ pub fn simulated(
 }
 
 fn servo(joint: &DeviceJoint, baud: u32) -> Result<ServoSpec, ConnectError> {
-    let missing = |what| ConnectError::Map(MapError { joint: joint.name.clone(), what });
-    let id = u8::try_from(joint.id).map_err(|_| missing("a servo whose id is over 252"))?;
-    let model = Model::by_name(joint.model.as_deref().unwrap_or_default());
-    let model = model.ok_or_else(|| missing("a servo of a model that is not known"))?;
+    let missing = |what, instead| ConnectError::Map(MapError { joint: joint.name.clone(), what, instead });
+    let id = u8::try_from(joint.id).ok().filter(|id| *id <= MAX_ID);
+    let id = id.ok_or_else(|| missing("a servo whose id is over 252", "write id = 1 to 252".to_owned()))?;
+    let model = Model::by_name(joint.model.as_deref().unwrap_or_default()).ok_or_else(|| {
+        let known = MODELS.map(|model| model.name).join(", ");
+        missing("a servo of a model that is not known", format!("write model = one of {known}"))
+    })?;
     let at = joint.limits().map_or(0.0, |limits| limits.clamp(0.0));
     Ok(ServoSpec { id, model, baud, position: joint.to_device(at) })
 }
@@ -91,7 +129,11 @@ impl fmt::Display for ConnectError {
         match self {
             Self::Map(error) => error.fmt(f),
             Self::Baud { kind, baud } => {
-                write!(f, "no {} has a line of {baud} bits per second", kind.name())
+                write!(f, "no {} has a line of {baud} bits per second", kind.name())?;
+                match kind {
+                    DeviceKind::Mycobot => f.write_str(": a Pi's has 1000000, an M5's 115200"),
+                    DeviceKind::Dynamixel => Ok(()),
+                }
             }
             Self::Driver(error) => error.fmt(f),
         }

@@ -6,6 +6,7 @@ mod joint;
 
 use crate::clock::{Clock, Time};
 use crate::motion::Command;
+use dh_runtime::Limits;
 use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
@@ -88,6 +89,38 @@ pub enum Watchdog {
     None,
 }
 
+/// What a device moves besides the joints: a gripper, mostly. It is no part of the kinematics; what moves it is checked
+/// against its own range and nothing else.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Attachment {
+    /// What it is called.
+    pub name: String,
+    /// What its values are.
+    pub unit: AttachmentUnit,
+    /// Its least and greatest value.
+    pub range: Limits,
+}
+
+/// What the values of an [`Attachment`] are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AttachmentUnit {
+    /// rad
+    Angle,
+    /// How far it is open, of all it opens, in percent.
+    Percent,
+}
+
+impl fmt::Display for Watchdog {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Device(time) => {
+                write!(f, "it stops by itself {:.0} ms after the last word", time.as_secs_f64() * 1e3)
+            }
+            Self::None => f.write_str("it goes on to its last goal, and nothing stops it but its switch"),
+        }
+    }
+}
+
 /// A device that moves the joints of one table.
 ///
 /// Every call returns by a deadline of its own, and none spins. A call that fails because the device is gone tries
@@ -135,12 +168,42 @@ pub trait Driver: fmt::Debug + Send {
     /// [`DriverError`] where nothing says that the device has heard.
     fn stop(&mut self) -> Result<(), DriverError>;
 
+    /// Makes the device forget the faults that it has latched, so that it can move again, and returns when it answers
+    /// again. Joints that a fault was latched of may lose their torque by it: it counts as off until it is switched on.
+    ///
+    /// # Errors
+    /// [`DriverError`]; a fault whose cause is still there comes back, which the next state tells.
+    fn clear_faults(&mut self) -> Result<(), DriverError>;
+
     /// From now on the device stops by itself when it has not heard a word for so long; every other call is a word.
     /// `None` ends it.
     ///
     /// # Errors
     /// [`DriverError`]
     fn watchdog(&mut self, timeout: Option<Duration>) -> Result<Watchdog, DriverError>;
+
+    /// What it moves besides the joints.
+    fn attachments(&self) -> Vec<Attachment> {
+        Vec::new()
+    }
+
+    /// Moves an attachment, switching it on where it is off, and returns long before it is there.
+    ///
+    /// # Errors
+    /// [`DriverError`]; [`Cause::Unsupported`] where there is none of that name, [`Cause::OutsideRange`] before anything
+    /// is sent.
+    fn move_attachment(&mut self, name: &str, value: f64) -> Result<(), DriverError> {
+        let _ = value;
+        Err(DriverError::new(self.name(), "move attachment", Cause::Unsupported).of_joint(name))
+    }
+
+    /// Where an attachment is.
+    ///
+    /// # Errors
+    /// [`DriverError`]; [`Cause::Unsupported`] where there is none of that name.
+    fn read_attachment(&mut self, name: &str) -> Result<f64, DriverError> {
+        Err(DriverError::new(self.name(), "read attachment", Cause::Unsupported).of_joint(name))
+    }
 }
 
 /// What opens a device by its table's driver gives a `Box<dyn Driver>`, which is one itself.
@@ -168,6 +231,18 @@ impl<D: Driver + ?Sized> Driver for Box<D> {
     }
     fn stop(&mut self) -> Result<(), DriverError> {
         (**self).stop()
+    }
+    fn clear_faults(&mut self) -> Result<(), DriverError> {
+        (**self).clear_faults()
+    }
+    fn attachments(&self) -> Vec<Attachment> {
+        (**self).attachments()
+    }
+    fn move_attachment(&mut self, name: &str, value: f64) -> Result<(), DriverError> {
+        (**self).move_attachment(name, value)
+    }
+    fn read_attachment(&mut self, name: &str) -> Result<f64, DriverError> {
+        (**self).read_attachment(name)
     }
     fn watchdog(&mut self, timeout: Option<Duration>) -> Result<Watchdog, DriverError> {
         (**self).watchdog(timeout)

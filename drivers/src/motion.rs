@@ -59,6 +59,7 @@ mod refusal;
 mod robot;
 mod settings;
 mod singular;
+mod slowing;
 mod spline;
 mod timing;
 

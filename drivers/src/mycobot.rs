@@ -9,10 +9,11 @@
 //! leaves it going on to its last goal. What moves it is therefore one goal at a time, checked as a whole, and never a
 //! jog that goes on until it is stopped.
 //!
-//! **What is not here.** The firmware solves coordinates by itself; such moves cannot be checked before they are made,
-//! so that the driver reads coordinates and has no call that sends them. Poses go through
-//! [`motion`](crate::motion), which solves them from the table. [`Request`] can write all of them, for the simulated arm
-//! and for tests.
+//! **Coordinates are read, and not sent.** The firmware solves what it is sent by itself, by whichever joint values it
+//! likes and along whatever way: nobody could check the limits and workspace rules of such a move before it is made, and
+//! what moves an arm here is a checked [`Command`](crate::Command). The same moves are
+//! [`Move::pose`](crate::motion::Move::pose) and, straight, [`Move::line`](crate::motion::Move::line), which solve them from
+//! the table. [`Request`] can write all of the protocol, for the simulated arm and for tests.
 //!
 //! Units: degrees of the device and millimetres in requests and replies, which are the protocol's own; radians and
 //! metres of the table in the driver.
@@ -76,5 +77,6 @@ fn six(map: &JointMap) -> Result<&[DeviceJoint; 6], MapError> {
     map.joints.as_slice().try_into().map_err(|_| MapError {
         joint: format!("{} of {}", map.len().min(6) + 1, map.len()),
         what: "no place in a myCobot, which has six joints",
+        instead: "take another driver, or the table of a myCobot".to_owned(),
     })
 }

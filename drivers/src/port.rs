@@ -73,6 +73,8 @@ pub struct PortError {
 pub enum PortErrorKind {
     /// Another program has it open.
     Busy,
+    /// This user may not open it.
+    Denied,
     /// There is no such device, or no longer.
     Gone,
     /// Nothing came, or nothing could be sent, before the deadline.
@@ -107,6 +109,7 @@ impl PortError {
             | ErrorKind::ConnectionAborted
             | ErrorKind::ConnectionRefused => PortErrorKind::Gone,
             ErrorKind::ResourceBusy => PortErrorKind::Busy,
+            ErrorKind::PermissionDenied => PortErrorKind::Denied,
             _ => PortErrorKind::Io(error.to_string()),
         };
         Self::new(port, kind)
@@ -118,7 +121,15 @@ impl fmt::Display for PortError {
         let name = &self.port;
         match &self.kind {
             PortErrorKind::Busy => write!(f, "{name} is in use by another program"),
+            PortErrorKind::Gone if name.starts_with("tcp:") => {
+                write!(f, "{name}: nobody answers, or somebody else has the line")
+            }
             PortErrorKind::Gone => write!(f, "{name} is not there: is the device plugged in and powered?"),
+            PortErrorKind::Denied => write!(
+                f,
+                "{name} may not be opened by this user: on Linux, be in the group that it belongs to (ls -l {name}), \
+                 often dialout"
+            ),
             PortErrorKind::TimedOut => write!(f, "{name}: time is up"),
             PortErrorKind::Baud(baud) => write!(f, "{name} has no rate of {baud} bits per second"),
             PortErrorKind::Io(message) => write!(f, "{name}: {message}"),
@@ -134,6 +145,9 @@ impl std::error::Error for PortError {}
 /// # Errors
 /// [`PortError`]
 pub fn open(name: &str, baud: u32, clock: Arc<dyn Clock>) -> Result<Box<dyn Port>, PortError> {
+    if name.is_empty() {
+        return Err(PortError::new("\"\"", PortErrorKind::Io("a port has a name".to_owned())));
+    }
     Ok(match name.strip_prefix("tcp:") {
         Some(address) => Box::new(Tcp::connect(address, clock)?),
         None => Box::new(Serial::open(name, baud, clock)?),

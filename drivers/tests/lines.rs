@@ -9,11 +9,18 @@ use dh_drivers::dynamixel::control_table::{MODELS, PRESENT_POSITION};
 use dh_drivers::dynamixel::{Bus, ServoSpec, SimulatedBus, Timing};
 use dh_drivers::port::{self, Exchange, Port, PortErrorKind, Recorded};
 use dh_drivers::simulate::{Line, Pty, TcpLine, serve};
+use std::io::Write;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+
+/// Lines run in real time, and so do those who wait for them: one test at a time has the processor.
+fn alone() -> MutexGuard<'static, ()> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// Servos on a line, in a thread, until it is dropped.
 struct Served {
@@ -57,6 +64,7 @@ fn positions(bus: &mut Bus) -> Vec<i64> {
 
 #[test]
 fn a_bus_speaks_over_terminals_and_tcp() {
+    let _alone = alone();
     let terminal = Pty::open(None).unwrap();
     let tcp = TcpLine::bind("127.0.0.1:0").unwrap();
     let names = [terminal.name(), tcp.name()];
@@ -80,6 +88,7 @@ fn a_bus_speaks_over_terminals_and_tcp() {
 
 #[test]
 fn a_port_belongs_to_one_program() {
+    let _alone = alone();
     let terminal = Pty::open(None).unwrap();
     let name = terminal.name();
     let _served = Served::on(terminal);
@@ -96,6 +105,7 @@ fn a_port_belongs_to_one_program() {
 
 #[test]
 fn reads_end_at_their_deadline() {
+    let _alone = alone();
     let terminal = Pty::open(None).unwrap();
     let mut port = port::open(&terminal.name(), 57_600, clock()).unwrap();
     let clock = port.clock();
@@ -123,6 +133,7 @@ fn reads_end_at_their_deadline() {
 /// The device goes and comes back under the same name: the bus says so, and goes on.
 #[test]
 fn a_bus_comes_back_with_its_device() {
+    let _alone = alone();
     let link = link("cut");
     let first = Served::on(Pty::open(Some(&link)).unwrap());
     let name = link.to_str().unwrap();
@@ -141,6 +152,7 @@ fn a_bus_comes_back_with_its_device() {
 /// A link from before is replaced, anything else of that name is left alone.
 #[test]
 fn a_link_harms_nothing() {
+    let _alone = alone();
     let link = link("link");
     let first = Pty::open(Some(&link)).unwrap();
     let second = Pty::open(Some(&link)).unwrap();
@@ -157,6 +169,7 @@ fn a_link_harms_nothing() {
 
 #[test]
 fn a_recording_takes_only_what_it_recorded() {
+    let _alone = alone();
     let exchange = Exchange { request: vec![1, 2], reply: vec![3] };
     let mut port = Recorded::new(clock(), [exchange]);
     let error = port.write_all(&[1], Time::NEVER).unwrap_err();
@@ -165,4 +178,42 @@ fn a_recording_takes_only_what_it_recorded() {
     let mut buffer = [0; 4];
     assert_eq!((port.read(&mut buffer, Time::START).unwrap(), buffer[0], port.remaining()), (1, 3, 0));
     assert_eq!(port.read(&mut buffer, Time::START).unwrap_err().kind, PortErrorKind::TimedOut);
+}
+
+/// Who comes while a TCP line is taken is sent away at once; when it is free again, it is anybody's.
+#[test]
+fn a_tcp_line_has_one_end() {
+    let _alone = alone();
+    let line = TcpLine::bind("127.0.0.1:0").unwrap();
+    let name = line.name();
+    let _served = Served::on(line);
+    let mut first = Bus::new(port::open(&name, 1_000_000, clock()).unwrap(), Timing::default());
+    assert_eq!(positions(&mut first), [1000, 1000]);
+    let mut second = Bus::new(port::open(&name, 1_000_000, clock()).unwrap(), Timing::default());
+    let error = second.ping(1).unwrap_err();
+    assert!(matches!(error.cause, Cause::Port(ref port) if port.kind == PortErrorKind::Gone), "{error}");
+    assert_eq!(positions(&mut first), [1000, 1000]);
+    drop(first);
+    let deadline = Instant::now() + Duration::from_secs(5);
+    while second.ping(1).is_err() {
+        assert!(Instant::now() < deadline, "the line is free");
+    }
+}
+
+/// Somebody who sends without end, faster than it can be read: calls end all the same.
+#[test]
+fn a_flood_holds_nobody_up() {
+    let _alone = alone();
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let name = format!("tcp:{}", listener.local_addr().unwrap());
+    let flood = std::thread::spawn(move || {
+        let (mut stream, _) = listener.accept().unwrap();
+        while stream.write_all(&[0xfe; 4096]).is_ok() {}
+    });
+    let mut bus = Bus::new(port::open(&name, 1_000_000, clock()).unwrap(), Timing::default());
+    let start = Instant::now();
+    bus.ping(1).unwrap_err();
+    assert!(start.elapsed() < Duration::from_secs(3), "{:?}", start.elapsed());
+    drop(bus);
+    flood.join().unwrap();
 }

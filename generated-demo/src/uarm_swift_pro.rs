@@ -6,9 +6,9 @@ use ::core::f64::consts::{FRAC_PI_2, PI, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
     FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted,
-    NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, SumLimit,
-    Target, TargetKind, TrackError, Violations, Winding, copy_into, jacobian_from_columns,
-    joint_array, track,
+    NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet, Solutions, Step,
+    SumLimit, Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into,
+    jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the UFACTORY uArm Swift Pro: 4 revolute joints.
@@ -110,8 +110,8 @@ impl UArmSwiftPro {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
-        ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
+        ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[], constraints: &[] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -213,7 +213,7 @@ impl UArmSwiftPro {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all(&self, target: &Pose) -> Result<Solutions<4>, IkError> {
-        solve_pose(&Target::Pose(target.into()))
+        solve_pose(&Target::Pose(target.into()), None)
     }
 
     /// The solutions that brings the tool frame to a pose that whole turns bring inside the limits
@@ -227,18 +227,21 @@ impl UArmSwiftPro {
     /// As [`Self::ik_all`]; where there are solutions, but none is allowed, which limit or rule the
     /// nearest to being allowed breaks.
     pub fn ik(&self, target: &Pose) -> Result<Solutions<4>, IkError> {
-        let solutions = self.ik_all(target)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Pose(target.into());
+        let solve = |seed: Seed<'_>| solve_pose(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
-    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first. A joint
+    /// that the target leaves free is set as near to its value there as the others can follow.
     ///
     /// # Errors
     ///
     /// As [`Self::ik`].
     pub fn ik_near(&self, target: &Pose, seed: &[f64; 4]) -> Result<Solutions<4>, IkError> {
-        let solutions = self.ik_all(target)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Pose(target.into());
+        let solve = |seed: Seed<'_>| solve_pose(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Follows a path of targets from the joint values `start` (rad): for each the allowed solution
@@ -291,10 +294,11 @@ impl UArmSwiftPro {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_place(&self, position: &Point3<f64>, yaw: f64) -> Result<Solutions<4>, IkError> {
-        solve_place(&Target::PositionYaw {
+        let target = &Target::PositionYaw {
             position: (*position).into(),
             yaw,
-        })
+        };
+        solve_place(target, None)
     }
 
     /// The solutions of the table's problem `place` that whole turns bring inside the limits and no
@@ -308,11 +312,17 @@ impl UArmSwiftPro {
     /// As [`Self::ik_all_place`]; where there are solutions, but none is allowed, which limit or
     /// rule the nearest to being allowed breaks.
     pub fn ik_place(&self, position: &Point3<f64>, yaw: f64) -> Result<Solutions<4>, IkError> {
-        let solutions = self.ik_all_place(position, yaw)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::PositionYaw {
+            position: (*position).into(),
+            yaw,
+        };
+        let solve = |seed: Seed<'_>| solve_place(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
-    /// [`Self::ik_place`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// [`Self::ik_place`], each in the representative nearest to `seed` (rad), the nearest first. A
+    /// joint that the target leaves free is set as near to its value there as the others can
+    /// follow.
     ///
     /// # Errors
     ///
@@ -323,8 +333,12 @@ impl UArmSwiftPro {
         yaw: f64,
         seed: &[f64; 4],
     ) -> Result<Solutions<4>, IkError> {
-        let solutions = self.ik_all_place(position, yaw)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::PositionYaw {
+            position: (*position).into(),
+            yaw,
+        };
+        let solve = |seed: Seed<'_>| solve_place(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// This arm with another frame at its tool: the pose (m) of the tool point in the table's tool
@@ -486,7 +500,7 @@ fn tool_point(q: &[f64; 4]) -> [f64; 3] {
 
 /// Every solution of the full pose.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_pose(target: &Target) -> Result<Solutions<4>, IkError> {
+fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<4>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA5: Step = Step::new(1, 0b1_0000, false, Measure::Ratio);
     const THETA3: Step = Step::new(2, 0b100, false, Measure::Area);
@@ -494,7 +508,9 @@ fn solve_pose(target: &Target) -> Result<Solutions<4>, IkError> {
 
     let pose = target.validate_pose()?;
     let [r11, _, r13, px, r21, _, r23, py, _, _, r33, pz] = pose.rows();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |q: &[f64; 4]| [-FRAC_PI_2 + q[0], -FRAC_PI_2 + q[3], -q[1] - q[2], q[1]];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
     let py0 = py - D5 * r23;
     let px0 = px - D5 * r13;
 
@@ -552,7 +568,7 @@ fn solve_pose(target: &Target) -> Result<Solutions<4>, IkError> {
 
 /// Every solution of `place`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
+fn solve_place(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<4>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA5: Step = Step::new(1, 0b1_0000, false, Measure::Ratio);
     const THETA3: Step = Step::new(2, 0b100, false, Measure::Area);
@@ -560,7 +576,9 @@ fn solve_place(target: &Target) -> Result<Solutions<4>, IkError> {
 
     let target = target.validate_as(TargetKind::PositionYaw)?;
     let [px, py, pz, cyaw, syaw] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |q: &[f64; 4]| [-FRAC_PI_2 + q[0], -FRAC_PI_2 + q[3], -q[1] - q[2], q[1]];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     // theta1: py c1 - px s1 = 0 (row 3 of the position in frame 1)
     let mut roots = search.trig(THETA1, py, -px, 0.0);
@@ -648,16 +666,24 @@ impl Kinematics for UArmSwiftPro {
         copy_into(&geometric_jacobian(joint_array(q)?), out).map(|_| ())
     }
 
-    fn ik_into(
+    fn ik_seeded_into(
         &self,
         problem: &str,
         target: &Target,
+        free: &[f64],
+        seed: Option<Seed<'_>>,
         out: &mut SolutionSet,
     ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
-            FULL_POSE => solve_pose(target)?,
-            "place" => solve_place(target)?,
+            FULL_POSE => {
+                LengthError::check(0, free.len())?;
+                solve_pose(target, seed)?
+            }
+            "place" => {
+                LengthError::check(0, free.len())?;
+                solve_place(target, seed)?
+            }
             _ => return Err(IkError::UnknownProblem),
         };
         out.fill(Self::DOF, &solutions);

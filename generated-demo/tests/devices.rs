@@ -6,7 +6,7 @@
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -45,10 +45,15 @@ struct Served<D> {
     port: String,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
+    _alone: MutexGuard<'static, ()>,
 }
+
+/// Devices run in real time, and so do the programs: one test at a time has the processor.
+static ALONE: Mutex<()> = Mutex::new(());
 
 impl<D: SimulatedDevice + 'static> Served<D> {
     fn new(device: D) -> Self {
+        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         let device = Arc::new(Mutex::new(device));
         let stop = Arc::new(AtomicBool::new(false));
         let (mut shared, told) = (Shared(Arc::clone(&device)), Arc::clone(&stop));
@@ -56,7 +61,7 @@ impl<D: SimulatedDevice + 'static> Served<D> {
         let port = line.name();
         let thread =
             std::thread::spawn(move || serve(&mut shared, &mut line, &RealClock::new(), &told).unwrap());
-        Self { device, port, stop, thread: Some(thread) }
+        Self { device, port, stop, thread: Some(thread), _alone: alone }
     }
 }
 

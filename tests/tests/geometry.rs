@@ -6,11 +6,11 @@
 
 #![expect(clippy::unwrap_used, reason = "a test")]
 
-use dh_codegen::compile;
+use dh_codegen::diagnostic::Diagnostics;
 use dh_codegen::model::geometry::{EXACT, NEARLY_MEETING, NEARLY_PARALLEL, RelationKind};
 use dh_codegen::model::product::frames;
 use dh_codegen::model::{JointKind, Model};
-use dh_codegen::verify::Level;
+use dh_codegen::{model, table};
 use dh_tests::near;
 use dh_tests::oracle::Oracle;
 use std::collections::BTreeSet;
@@ -150,7 +150,9 @@ fn seen(oracle: &Oracle, angle: f64, distance: f64) -> Found {
 }
 
 fn model(text: &str) -> Model {
-    compile(text, Level::Quick).output.unwrap().model
+    let mut diagnostics = Diagnostics::new();
+    let table = table::parse(text, &mut diagnostics);
+    model::check(&table, &mut diagnostics).unwrap()
 }
 
 fn named(kind: RelationKind) -> String {

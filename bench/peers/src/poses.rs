@@ -12,7 +12,7 @@ pub struct Case {
 }
 
 /// The same numbers on every run, in 0 ... 1.
-fn draw(state: &mut u64) -> f64 {
+pub fn draw(state: &mut u64) -> f64 {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*state >> 11) as f64 / (1_u64 << 53) as f64
 }

@@ -1,10 +1,13 @@
 //! Why an arm did not move, in the table's units.
 
 use crate::failure::Refusal;
+use crate::json::Json;
 use crate::rule;
 use crate::units::Units;
 use dh_codegen::model::Model;
 use dh_core::IkError;
+use dh_drivers::DriverError;
+use dh_drivers::driver::Cause;
 use dh_drivers::motion::{JointName, MotionError, Reason};
 
 /// What stopped a motion, or kept it from being made.
@@ -20,6 +23,13 @@ pub(super) fn of(model: &Model, error: &MotionError) -> Refusal {
             let place = refusal.sample.map_or(String::new(), |sample| format!(", {sample}"));
             told.message = format!("refused, move {}{place}: {}", refusal.step + 1, told.message);
             told = told.with("move", refusal.step + 1);
+            let also: Vec<Refusal> = refusal.also.iter().map(|other| reason(model, other)).collect();
+            for other in &also {
+                told.message = format!("{}; {}", told.message, other.message);
+            }
+            if !also.is_empty() {
+                told = told.with("also", Json::List(also.iter().map(Refusal::json).collect()));
+            }
             if let Some(sample) = refusal.sample {
                 told = told.with("sample", sample.index + 1).with("part", sample.part);
             }
@@ -61,14 +71,40 @@ pub(super) fn of(model: &Model, error: &MotionError) -> Refusal {
         MotionError::NotSafe { nearest: None, .. } => Refusal::new("not_safe", error.to_string())
             .help("mark a pose of the table with safe = true, or have the torque cut all the same"),
         MotionError::Stopped => Refusal::new("stopped", "stopped; the arm holds"),
-        MotionError::NotStopped { first, stop } => {
+        MotionError::NotStopped { first, stop, watchdog } => {
             let mut told = of(model, first);
-            told.message = format!("{}; and the arm may still move: {stop}", told.message);
+            told.message = format!("{}; and it could not be told to stop ({stop}): {watchdog}", told.message);
             told
         }
         MotionError::FeedbackLost { .. } => Refusal::new("feedback_lost", error.to_string()),
-        MotionError::Fault { .. } => Refusal::new("fault", error.to_string()),
+        MotionError::Fault { .. } => Refusal::new("fault", error.to_string()).help(CLEAR),
+        MotionError::Driver(error) => of_driver(error),
         other => Refusal::new("device", other.to_string()),
+    }
+}
+
+/// What the driver calls it.
+const OPERATING_MODE: &str = "operating mode";
+
+/// What to do about a latched fault.
+const CLEAR: &str = "see to its cause; `clear` in dhc console has the device forget it";
+
+/// What a device did not do, with what may be done about it.
+pub(super) fn of_driver(error: &DriverError) -> Refusal {
+    let told = Refusal::new("device", error.to_string());
+    match error.cause {
+        Cause::Silent { .. } | Cause::Garbled => told.help(
+            "has the arm power, is it the right port, and is the rate the table's? --baud gives another; adapters that keep \
+             bytes for 16 ms want a latency of 1 ms",
+        ),
+        Cause::Fault(_) => told.help(CLEAR),
+        Cause::PowerOff => told.help("a move switches it on, and so does dhc console, where it holds"),
+        Cause::LimitsDiffer { what: OPERATING_MODE, .. } => {
+            told.help("--position-mode sets it, where the torque is off")
+        }
+        Cause::LimitsDiffer { .. } => told.help("set the servo up anew, or write into the table what it is set to"),
+        Cause::WrongModel { .. } => told.help("is it this arm's port? Else correct the servo's model in the table"),
+        _ => told,
     }
 }
 
@@ -95,6 +131,8 @@ fn reason(model: &Model, reason: &Reason) -> Refusal {
             ),
         )
         .help("move to its beginning first, without --line"),
+        Reason::NoStart(_) => Refusal::new("not_on_path", reason.to_string())
+            .help("move to its beginning first, without --line"),
         Reason::Jump { joint, from, to } => Refusal::new(
             "jump",
             format!("the solutions jump: {joint} from {} to {}", value(joint, *from), value(joint, *to)),

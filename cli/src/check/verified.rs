@@ -2,14 +2,29 @@
 
 use crate::robot::Robot;
 use crate::text::{clean, columns, small};
+use dh_codegen::plan::{Agreement, Function};
 use dh_codegen::verify::{FunctionReport, InverseReport};
 
 /// A line a function.
 pub(super) fn written(robot: &Robot) -> String {
     let mut rows = vec![["function", "poses", "greatest errors", ""].map(str::to_owned)];
     rows.extend(robot.output.report.functions.iter().map(row));
+    let second: Vec<String> =
+        robot.output.plan.functions.iter().filter_map(|f| agreement(robot, f)).collect();
     let title = "verified against products of the table's matrices";
-    format!("\n  {title}\n{}", columns("    ", &rows))
+    format!("\n  {title}\n{}{}", columns("    ", &rows), second.concat())
+}
+
+/// What another method says of a function that was kept.
+fn agreement(robot: &Robot, function: &Function) -> Option<String> {
+    let Agreement { method, poses, agreed } = function.agreement.as_ref()?;
+    let report = robot.output.report.functions.iter();
+    let report = report.rev().find(|report| report.kind == function.kind && report.failure.is_none())?;
+    let name = &report.name;
+    let method = clean(method);
+    Some(format!(
+        "    {name}: another method ({method}) finds the same solutions at {agreed} of {poses} random poses\n"
+    ))
 }
 
 fn row(function: &FunctionReport) -> [String; 4] {

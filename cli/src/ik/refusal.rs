@@ -3,10 +3,10 @@
 use crate::failure::Refusal;
 use crate::json::Json;
 use crate::rule;
-use crate::units::Units;
+use crate::units::{Units, fixed};
 use dh_codegen::model::{Model, Problem};
 use dh_codegen::plan::{Function, Measure};
-use dh_core::{IkError, Step};
+use dh_core::{IkError, Reachable, Step};
 
 /// An error of a problem (the full pose where there is none) that a function solves.
 pub(super) fn of(error: &IkError, model: &Model, problem: Option<&Problem>, function: &Function) -> Refusal {
@@ -46,6 +46,36 @@ pub(super) fn of(error: &IkError, model: &Model, problem: Option<&Problem>, func
         }
         _ => Refusal::new("wrong_target", error.to_string()),
     }
+}
+
+/// The nearest target that can be reached, besides.
+pub(super) fn with_nearest(refusal: Refusal, units: Units<'_>, nearest: &Reachable) -> Refusal {
+    let Reachable { tool, position_error, rotation_error, .. } = nearest;
+    let position = units.point(tool.translation).map(|x| units.show_length(x)).join(",");
+    let quaternion = tool.quaternion().map(|x| fixed(x, 6)).join(",");
+    let q: Vec<String> = units.joints(nearest.q()).into_iter().map(|value| fixed(value, 4)).collect();
+    let off = format!(
+        "off by {} {} and {} {}",
+        units.show_length(units.length(*position_error)),
+        units.length_name(),
+        units.show_angle(units.angle(*rotation_error)),
+        units.angle_name()
+    );
+    let text = format!(
+        "the nearest that was found within the limits of the joints is {off}: position {position}, quaternion {quaternion}, with the joints at {}",
+        q.join(",")
+    );
+    let text = match &refusal.help {
+        Some(help) => format!("{help}\nhelp: {text}"),
+        None => text,
+    };
+    let fields = vec![
+        ("pose", units.pose(tool)),
+        ("position_error", (*position_error).into()),
+        ("rotation_error", (*rotation_error).into()),
+        ("q", Json::numbers(units.joints(nearest.q()))),
+    ];
+    refusal.with("nearest", Json::Object(fields)).help(text)
 }
 
 /// The coefficients of a step's unknown vanish.

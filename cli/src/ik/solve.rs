@@ -6,7 +6,7 @@ use crate::robot::Robot;
 use crate::units::Units;
 use dh_codegen::plan::eval::Interpreter;
 use dh_codegen::plan::{Function, FunctionKind};
-use dh_core::{FULL_POSE, IkError, Kinematics, SolutionSet, Target, TargetKind};
+use dh_core::{FULL_POSE, IkError, Kinematics, Seed, SolutionSet, Target, TargetKind};
 
 /// A solution.
 #[derive(Debug, Clone, PartialEq)]
@@ -141,17 +141,38 @@ impl<'a> Question<'a> {
         refusal::of(error, self.robot.model(), problem, self.function)
     }
 
+    /// The same, with the nearest target that can be reached, where it is the target's place or the limits that are at fault.
+    pub(crate) fn refusal_near(&self, error: &IkError, target: &Target) -> Refusal {
+        let refusal = self.refusal(error);
+        let at_fault = matches!(
+            error,
+            IkError::Singular { .. }
+                | IkError::Unreachable { .. }
+                | IkError::OutsideLimits { .. }
+                | IkError::Failed { .. }
+        );
+        let nearest = || self.arm.nearest_reachable(self.name, target, Some(&self.near));
+        match at_fault.then(nearest) {
+            Some(Ok(nearest)) => refusal::with_nearest(refusal, self.units(), &nearest),
+            _ => refusal,
+        }
+    }
+
     /// The solutions.
     pub(crate) fn solve(&mut self, target: &Target) -> Result<Vec<Answer>, IkError> {
         match (&self.free, self.all) {
-            (Some(free), all) => {
-                self.arm.ik_at_into(self.name, target, free, &mut self.set)?;
-                if !all {
-                    self.keep_allowed()?;
-                }
+            (Some(free), true) => {
+                let seed = seed(&self.near, self.seeded || !self.all);
+                self.arm.ik_seeded_into(self.name, target, free, seed, &mut self.set)?;
                 Ok(self.answers())
             }
-            (None, false) => {
+            (Some(free), false) if !free.is_empty() => {
+                let seed = seed(&self.near, self.seeded || !self.all);
+                self.arm.ik_seeded_into(self.name, target, free, seed, &mut self.set)?;
+                self.keep_allowed()?;
+                Ok(self.answers())
+            }
+            (_, false) => {
                 self.arm.ik_within(self.name, target, Some(&self.near), &mut self.set)?;
                 Ok(self.answers())
             }
@@ -183,7 +204,8 @@ impl<'a> Question<'a> {
     pub(crate) fn trace(&mut self, target: &Target) -> (String, Result<Vec<Answer>, IkError>) {
         let (arm, free) = (self.arm, self.free.clone().unwrap_or_default());
         let mut trace = trace::Trace::new(self.robot, self.function);
-        let outcome = arm.trace_ik(self.name, target, &free, &mut self.set, |event| trace.event(event));
+        let seed = seed(&self.near, self.seeded || !self.all);
+        let outcome = arm.trace_ik(self.name, target, &free, seed, &mut self.set, |event| trace.event(event));
         let outcome = outcome.and_then(|()| if self.all { Ok(()) } else { self.keep_allowed() });
         (trace.into_text(), outcome.map(|()| self.answers()))
     }
@@ -210,6 +232,11 @@ impl<'a> Question<'a> {
             answers.sort_by(|one, other| travel(one).total_cmp(&travel(other)));
         }
     }
+}
+
+/// What joints are set near to that the target leaves free, if it is wanted.
+fn seed(near: &[f64], wanted: bool) -> Option<Seed<'_>> {
+    wanted.then(|| Seed::new(near))
 }
 
 /// Why a problem cannot be asked.

@@ -20,9 +20,9 @@ pub use error::PlanError;
 pub use interpreter::Interpreter;
 pub use trace::Event;
 
-use super::{Function, FunctionKind, Plan};
+use super::{Form, Function, FunctionKind, Plan};
 use crate::model::Model;
-use dh_core::{Float, IkError, MAX_JOINTS, Search, Solutions, Target, Winding};
+use dh_core::{Float, IkError, MAX_JOINTS, Search, Seed, Solutions, Target, Wanted, Winding};
 use filter::Filter;
 use routine::Routine;
 use run::{Inverse, Registers, Searching};
@@ -40,6 +40,30 @@ pub struct Program<'m, S: Float = f64> {
     sum_terms: Vec<Vec<(usize, S)>>,
     /// What `Model::windings` carry, in the scalar type.
     carried: Vec<Vec<(usize, S)>>,
+}
+
+/// What an inverse problem is asked with besides its target.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Given<'a, S = f64> {
+    /// Values of the problem's free joints (rad or m).
+    pub(crate) free: &'a [S],
+    /// What joints are set near to that the target leaves free.
+    pub(crate) seed: Option<Seed<'a, S>>,
+}
+
+/// The unknowns of a function at a seed.
+fn wanted<S: Float>(function: &Function, seed: Option<Seed<'_, S>>) -> Wanted<MAX_JOINTS, S> {
+    let at = |form: &Option<Form>, q: &[S]| {
+        let Some(form) = form else { return S::NAN };
+        form.terms.iter().fold(S::from_f64(form.constant), |sum, (joint, factor)| {
+            sum + S::from_f64(*factor) * q.get(*joint).copied().unwrap_or(S::ZERO)
+        })
+    };
+    let mut unknowns = [S::NAN; MAX_JOINTS];
+    if let Some(seed) = seed {
+        unknowns.iter_mut().zip(&function.unknowns).for_each(|(to, form)| *to = at(form, seed.q));
+    }
+    Wanted::new(unknowns, seed)
 }
 
 impl<'m, S: Float> Program<'m, S> {
@@ -90,21 +114,22 @@ impl<'m, S: Float> Program<'m, S> {
         Some(routine.outputs.iter().map(|output| registers.get(*output)).collect())
     }
 
-    /// Every geometric solution of an inverse problem (an index into `Model::problems`, or the full pose). `free`
-    /// are the values of the problem's free joints, `windings` the model's in the scalar type. `None` where the plan
+    /// Every geometric solution of an inverse problem (an index into `Model::problems`, or the full pose). `given`
+    /// has the values of the problem's free joints, `windings` the model's in the scalar type. `None` where the plan
     /// lacks the problem's function or `fk`.
     pub(crate) fn inverse(
         &self,
         problem: Option<usize>,
         target: &Target<S>,
-        free: &[S],
+        given: Given<'_, S>,
         windings: &[Winding<'_, S>],
         observer: impl FnMut(Event<'_, S>),
     ) -> Option<Result<Solutions<MAX_JOINTS, S>, IkError<S>>> {
         let (names, routine) = self.find(&FunctionKind::Inverse(problem))?;
         let (_, fk) = self.find(&FunctionKind::Fk)?;
         let reach = S::from_f64(self.model.reach());
-        let mut registers = Registers::of(routine, target.numbers().iter().chain(free).copied());
+        let mut registers = Registers::of(routine, target.numbers().iter().chain(given.free).copied());
+        let wanted = wanted(names, given.seed);
         let mut run = Inverse {
             routine,
             names,
@@ -116,7 +141,8 @@ impl<'m, S: Float> Program<'m, S> {
             filters: problem.and_then(|problem| self.filters.get(problem)).map_or(&[], Vec::as_slice),
             observer,
             windings,
-            search: Searching::Exact(Search::new(reach, windings)),
+            wanted: &wanted,
+            search: Searching::Exact(Search::about(reach, windings, &wanted)),
         };
         run.run(&mut registers);
         Some(run.search.finish())

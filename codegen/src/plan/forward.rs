@@ -33,5 +33,8 @@ fn function(kind: FunctionKind, equations: &Equations, joints: usize, constants:
         outputs,
         counts: scheduler.counts,
         stages: Vec::new(),
+        unknowns: Vec::new(),
+        constraints: Vec::new(),
+        agreement: None,
     }
 }

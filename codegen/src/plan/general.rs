@@ -2,7 +2,9 @@
 
 mod charts;
 
-use super::{Counts, Function, FunctionKind, Measure, Scalar, Stage, Step, ValueId, target_inputs};
+use super::{
+    Counts, Form, Function, FunctionKind, Measure, Scalar, Stage, Step, ValueId, target_inputs, unknowns,
+};
 use crate::model::{Model, Problem};
 use crate::symbolic::inverse_kinematics::general::{self, General, GeneralJoint};
 use crate::symbolic::inverse_kinematics::{Linear, Refusal};
@@ -81,6 +83,7 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         .iter()
         .map(|form| sum(form, |place| joints.get(place).cloned().unwrap_or(Scalar::Number(0.0))));
     let body = vec![Step::Accept { q: q.collect(), tool: Vec::new(), polish: false }];
+    let unknowns = unknowns(&general);
     let chain = GeneralChain { charts, ..chain };
     let function = Function {
         kind: FunctionKind::Inverse(index),
@@ -91,8 +94,32 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         outputs: Vec::new(),
         counts: Counts::default(),
         stages: vec![stage],
+        unknowns,
+        constraints: super::constraints::of(model, index),
+        agreement: None,
     };
     Ok(Rated { function, badness })
+}
+
+/// The same function with its second choice of joints in the first place.
+pub(super) fn rotated(function: &Function) -> Option<Function> {
+    let mut function = function.clone();
+    let [Step::General { chain, .. }] = function.steps.as_mut_slice() else { return None };
+    if chain.charts.len() < 2 {
+        return None;
+    }
+    chain.charts.rotate_left(1);
+    let (degree, unknown) = chain.charts.first().map(|chart| (chart.degree, chart.unknown()))?;
+    let [Step::General { roots, .. }] = function.steps.as_slice() else { return None };
+    let unknown = roots.get(unknown).and_then(|root| function.values.get(root.0))?;
+    let equation = equation(degree, unknown);
+    function.stages.first_mut()?.equation = equation;
+    Some(function)
+}
+
+/// In words.
+fn equation(degree: u8, unknown: &str) -> String {
+    format!("a trigonometric polynomial of degree {degree} in {unknown} is 0")
 }
 
 fn chain(model: &Model, general: &General) -> GeneralChain {
@@ -105,6 +132,13 @@ fn chain(model: &Model, general: &General) -> GeneralChain {
         reach: if reach > 0.0 { reach } else { 1.0 },
         charts: Vec::new(),
     }
+}
+
+/// The joints to be found, in terms of joint values.
+fn unknowns(general: &General) -> Vec<Option<Form>> {
+    let all = unknowns::of(&general.q, 0, general.joints.len());
+    let found = all.into_iter().zip(&general.joints).filter(|(_, joint)| joint.given.is_none());
+    found.map(|(form, _)| form).collect()
 }
 
 /// `theta3`, `d3`; joints behind the tool are numbered by themselves.
@@ -158,7 +192,7 @@ fn stage(general: &General, chart: Chart) -> Stage {
     Stage {
         rows: rows.fold(0, |mask, row| mask | 1_u32.checked_shl(row as u32).unwrap_or(0)),
         measure: Measure::Ratio,
-        equation: format!("a trigonometric polynomial of degree {} in {unknown} is 0", chart.degree),
+        equation: equation(chart.degree * chart.periods, &unknown),
         definitions: Vec::new(),
         origin: format!(
             "the line of axis {} seen from both sides; {first} and {second} eliminated from its 14 power products, {third} and {fourth} by a resultant; they and {} follow from each root",

@@ -2,6 +2,7 @@
 
 use super::near;
 use super::schedule::{Constants, Scheduler};
+use super::unknowns;
 use super::{Equation, Function, FunctionKind, Measure, Scalar, Stage, Step};
 use crate::model::{JointKind, Model, Problem, Target};
 use crate::symbolic::expression::Expr;
@@ -30,7 +31,7 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
     if !named && excess == 1 {
         match redundant(model) {
             Ok((problem, derivation)) => {
-                functions.push(function(None, &problem, &derivation, true, constants));
+                functions.push(function(model, None, &problem, &derivation, true, constants));
             }
             Err(refusal) => match near::full_pose(model, constants) {
                 Some(function) => functions.push(function),
@@ -56,7 +57,7 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
             Some((problem, Ok(derivation))) => {
                 let index_of = index.and_then(|index| model.problems.get(index));
                 let polish = problem.is_whole_pose() && index_of.is_none_or(Problem::is_whole_pose);
-                functions.push(function(index, problem, derivation, polish, constants));
+                functions.push(function(model, index, problem, derivation, polish, constants));
             }
             Some((_, Err(refusal))) => {
                 let near = match index {
@@ -125,6 +126,7 @@ pub(super) fn full_pose(free: Vec<usize>) -> Problem {
 }
 
 pub(super) fn function(
+    model: &Model,
     index: Option<usize>,
     problem: &Problem,
     derivation: &Derivation,
@@ -154,7 +156,9 @@ pub(super) fn function(
     // What depends on the given joints alone is the same in every branch.
     scheduler.leaves_of(derivation.given.len(), &computed);
     let mut steps = std::mem::take(&mut scheduler.steps);
-    let stages = derivation.stages.iter().map(stage).collect();
+    let stages: Vec<Stage> = derivation.stages.iter().map(stage).collect();
+    let given = derivation.given.len();
+    let unknowns = unknowns::of(&derivation.joints, given, given + stages.len());
     steps.extend(nested(&mut scheduler, derivation, polish, 0));
     Function {
         kind: FunctionKind::Inverse(index),
@@ -165,6 +169,9 @@ pub(super) fn function(
         outputs: Vec::new(),
         counts: scheduler.counts,
         stages,
+        unknowns,
+        constraints: super::constraints::of(model, index),
+        agreement: None,
     }
 }
 

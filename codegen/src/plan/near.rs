@@ -3,7 +3,7 @@
 
 mod gains;
 
-use super::eval::Program;
+use super::eval::{Given, Program};
 use super::schedule::Constants;
 use super::{Function, FunctionKind, Plan, Scalar, Step, ValueId, general, inverse};
 use crate::model::product;
@@ -59,10 +59,12 @@ fn function(
     let unknowns: Vec<usize> =
         (0..model.joints.len()).filter(|joint| !problem.free.contains(joint)).collect();
     let otherwise = general::function(model, index, problem).ok()?.function;
-    let mut function = inverse::function(index, problem, derivation, true, constants);
+    let mut function = inverse::function(model, index, problem, derivation, true, constants);
     let deviation = deviation(model, nominal);
     let gains = gains::of(model, nominal, &function, &constants.values(), deviation)?;
     let nearly = Nearly { unknowns: unknowns.try_into().ok()?, gains: gains.concat() };
+    // Where a seed matters, the table is solved as it is.
+    function.unknowns = otherwise.unknowns;
     let behind = Behind {
         inputs: function.inputs,
         values: function.values.len() - function.inputs,
@@ -115,7 +117,7 @@ fn share(model: &Model, plan: &Plan, function: &Function, problem: Option<usize>
         let q = joint_vector(model, sample);
         let target = Target::Pose(frame(&product::frames(model, &q).tool));
         let free: Vec<f64> = function.free.iter().filter_map(|joint| q.get(*joint).copied()).collect();
-        let answer = program.inverse(problem, &target, &free, &windings, |_| ())?;
+        let answer = program.inverse(problem, &target, Given { free: &free, seed: None }, &windings, |_| ())?;
         unsure += usize::from(answer == Err(IkError::NotFinite));
     }
     Some(unsure as f64 / POSES as f64)

@@ -9,7 +9,7 @@ use super::{
     reference, singular_values,
 };
 use crate::model::{self, Model};
-use crate::plan::eval::Program;
+use crate::plan::eval::{Given, Program};
 use dh_core::{Target, Winding};
 use std::cell::OnceCell;
 
@@ -62,7 +62,8 @@ impl Inverse<'_> {
         report: &mut FunctionReport,
     ) -> Result<(), String> {
         let free: Vec<f64> = self.free.iter().map(|joint| q.get(*joint).copied().unwrap_or(0.0)).collect();
-        let answer = self.program.inverse(self.problem, target, &free, self.windings, |_| ());
+        let given = Given { free: &free, seed: None };
+        let answer = self.program.inverse(self.problem, target, given, self.windings, |_| ());
         let Some(answer) = answer else { return Err("it cannot be run".to_owned()) };
         let allowed = wheres.clearly_keep(q);
         let solutions = match &answer {
@@ -76,7 +77,7 @@ impl Inverse<'_> {
         for solution in solutions {
             let joints = solution.q.get(..q.len()).unwrap_or_default();
             self.solution(joints, target, wheres, smallest, report)?;
-            nearest = nearest.min(self.travel(q, joints));
+            nearest = nearest.min(travel(self.model, q, joints));
         }
         let Some(inverse) = &mut report.inverse else {
             return Ok(());
@@ -134,24 +135,24 @@ impl Inverse<'_> {
         };
         singular_values::smallest(unknowns.map(column).collect())
     }
+}
 
-    /// The greatest difference of two joint vectors (rad or m), whole turns aside.
-    fn travel(&self, left: &[f64], right: &[f64]) -> f64 {
-        let mut difference: Vec<f64> = left.iter().zip(right).map(|(left, right)| left - right).collect();
-        for winding in &self.model.windings {
-            let Some(own) = difference.get_mut(winding.joint) else {
-                continue;
-            };
-            let turns = (*own / winding.turn).round();
-            *own -= turns * winding.turn;
-            for (joint, turn) in &winding.carries {
-                if let Some(carried) = difference.get_mut(*joint) {
-                    *carried -= turns * turn;
-                }
+/// The greatest difference of two joint vectors (rad or m), whole turns aside.
+pub(super) fn travel(model: &Model, left: &[f64], right: &[f64]) -> f64 {
+    let mut difference: Vec<f64> = left.iter().zip(right).map(|(left, right)| left - right).collect();
+    for winding in &model.windings {
+        let Some(own) = difference.get_mut(winding.joint) else {
+            continue;
+        };
+        let turns = (*own / winding.turn).round();
+        *own -= turns * winding.turn;
+        for (joint, turn) in &winding.carries {
+            if let Some(carried) = difference.get_mut(*joint) {
+                *carried -= turns * turn;
             }
         }
-        difference.into_iter().fold(0.0, |greatest, difference| f64::max(greatest, difference.abs()))
     }
+    difference.into_iter().fold(0.0, |greatest, difference| f64::max(greatest, difference.abs()))
 }
 
 /// Whether the joint vector that a target was made from was found again, `nearest` (rad or m) being the solution

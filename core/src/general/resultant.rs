@@ -146,20 +146,22 @@ impl Resultant {
     }
 
     /// The polynomial, and the noise of its coefficients relative to the greatest.
-    pub(super) fn waves(&self, degree: u8) -> (Waves, f64) {
+    pub(super) fn waves(&self) -> (Waves, f64) {
         const MOST: usize = 2 * MAX_DEGREE + 6;
-        let degree = usize::from(degree).min(MAX_DEGREE);
+        let degree = usize::from(self.chart.degree).min(MAX_DEGREE);
+        let period = 1.0 / f64::from(self.chart.periods.max(1));
         // Enough to see the two harmonics above the degree, which must be 0: one odd, one even.
         let count = 2 * degree + 6;
         let mut circle = [[0.0; 2]; MOST];
         let mut values = [0.0; MOST];
         let turn = core::f64::consts::TAU / count as f64;
-        // Half a step off, where factors that are divided out have no roots for reasons of symmetry.
-        let (half_sin, half_cos) = libm::sincos(turn / 2.0);
+        let (step_sin, step_cos) = libm::sincos(turn);
+        let (mut cos, mut sin) = (1.0, 0.0);
         for (k, (place, value)) in circle.iter_mut().zip(&mut values).enumerate().take(count) {
-            let (sin, cos) = libm::sincos(k as f64 * turn);
             *place = [cos, sin];
-            let (sin, cos) = (sin * half_cos + cos * half_sin, cos * half_cos - sin * half_sin);
+            (cos, sin) = (cos * step_cos - sin * step_sin, sin * step_cos + cos * step_sin);
+            // Half a step off, where factors that are divided out have no roots for reasons of symmetry.
+            let (sin, cos) = libm::sincos((k as f64 + 0.5) * turn * period);
             *value = self.sample(cos, sin).value / self.divisor(cos, sin);
         }
         let mut coefficients = [[0.0; 2]; MAX_DEGREE + 1];

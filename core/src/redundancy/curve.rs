@@ -1,6 +1,7 @@
 //! The curve of joint values that keep a pose, point by point: back onto it, along it, towards a seed, to a limit.
 
-use crate::frame::{cross, sub};
+use crate::frame::{cross, norm, sub};
+use crate::solutions::travel;
 use crate::{Float, Frame};
 
 /// How often joint values are moved before they are given up: each move squares what is left of the error.
@@ -41,77 +42,119 @@ where
     S: Float,
     F: Fn(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
 {
-    /// The linear equations J dq = e by modified Gram-Schmidt on the rows of J.
-    pub(super) fn local(&self, q: &[S; N]) -> Local<N, S> {
-        let (tool, columns) = (self.state)(q);
-        let [px, py, pz] = sub(self.pose.translation, tool.translation).map(|x| x * self.per_reach);
-        let [wx, wy, wz] = turn(&tool, self.pose);
-        let error = [px, py, pz, wx, wy, wz];
+    /// The Jacobian's rows (reaches and rad) and what joint values are off by in them.
+    fn rows(&self, tool: &Frame<S>, columns: &[[S; 6]; N]) -> ([[S; N]; 6], [S; 6]) {
         let p = self.per_reach;
+        let [px, py, pz] = sub(self.pose.translation, tool.translation).map(|x| x * p);
+        let [wx, wy, wz] = turn(tool, self.pose);
         let mut rows = [[S::ZERO; N]; 6];
-        for (place, [vx, vy, vz, ax, ay, az]) in columns.into_iter().enumerate() {
-            for (row, entry) in rows.iter_mut().zip([vx * p, vy * p, vz * p, ax, ay, az]) {
-                if let Some(slot) = row.get_mut(place) {
-                    *slot = entry;
-                }
-            }
+        let [r1, r2, r3, r4, r5, r6] = &mut rows;
+        let entries = r1.iter_mut().zip(r2).zip(r3).zip(r4).zip(r5).zip(r6);
+        for ((((((e1, e2), e3), e4), e5), e6), [vx, vy, vz, ax, ay, az]) in entries.zip(columns) {
+            (*e1, *e2, *e3) = (*vx * p, *vy * p, *vz * p);
+            (*e4, *e5, *e6) = (*ax, *ay, *az);
         }
-        let mut parts = [S::ZERO; 6];
-        let mut correction = [S::ZERO; N];
-        for (place, error) in error.into_iter().enumerate() {
-            let (done, rest) = rows.split_at_mut(place);
-            let (Some(row), Some(part)) = (rest.first_mut(), parts.get(..place)) else { break };
-            let mut left = error;
-            for (basis, part) in done.iter().zip(part) {
-                let share = dot(row, basis);
-                add(row, basis, -share);
-                left -= share * *part;
-            }
-            let length = dot(row, row).sqrt();
-            let inverse = if length > S::from_f64(VANISHING) { S::ONE / length } else { S::ZERO };
-            for x in row.iter_mut() {
-                *x *= inverse;
-            }
-            add(&mut correction, row, left * inverse);
-            if let Some(slot) = parts.get_mut(place) {
-                *slot = left * inverse;
-            }
-        }
-        Local { correction, tangent: self.across(&rows) }
+        (rows, [px, py, pz, wx, wy, wz])
     }
 
-    /// The direction across orthonormal rows: what they leave of the joint that takes the least part in them.
-    fn across(&self, rows: &[[S; N]; 6]) -> [S; N] {
-        let mut least: Option<(usize, S)> = None;
-        for joint in 0..self.dof.min(N) {
-            let part = rows.iter().filter_map(|row| row.get(joint)).fold(S::ZERO, |sum, x| sum + *x * *x);
-            if least.is_none_or(|(_, least)| part < least) {
-                least = Some((joint, part));
+    /// The linear equations J dq = e at joint values.
+    pub(super) fn local(&self, q: &[S; N]) -> Local<N, S> {
+        self.local_of(&(self.state)(q))
+    }
+
+    /// The same where tool frame and Jacobian are known.
+    pub(super) fn local_of(&self, (tool, columns): &(Frame<S>, [[S; 6]; N])) -> Local<N, S> {
+        let (rows, error) = self.rows(tool, columns);
+        let factors = Factors::of(rows);
+        let mut left = error;
+        let mut correction = [S::ZERO; N];
+        for (place, (row, inverse)) in factors.rows.iter().zip(factors.inverses).enumerate() {
+            let own = left.get(place).copied().unwrap_or(S::ZERO);
+            for (left, shares) in left.iter_mut().zip(&factors.triangle).skip(place + 1) {
+                *left -= shares.get(place).copied().unwrap_or(S::ZERO) * own;
+            }
+            add(&mut correction, row, own * inverse);
+        }
+        Local { correction, tangent: self.across(&factors) }
+    }
+
+    /// The direction across all rows: what they leave of the joint that takes the least part in them, which is so much that
+    /// nothing is lost.
+    fn across(&self, factors: &Factors<N, S>) -> [S; N] {
+        let mut parts = [S::ZERO; N];
+        for (row, inverse) in factors.rows.iter().zip(factors.inverses) {
+            parts.iter_mut().zip(row).for_each(|(part, x)| *part += *x * *x * inverse);
+        }
+        let mut least = (0, S::INFINITY);
+        for (joint, part) in parts.iter().enumerate().take(self.dof) {
+            if *part < least.1 {
+                least = (joint, *part);
             }
         }
         let mut tangent = [S::ZERO; N];
-        if let Some(slot) = least.and_then(|(joint, _)| tangent.get_mut(joint)) {
+        if let Some(slot) = tangent.get_mut(least.0) {
             *slot = S::ONE;
         }
-        // Twice, since the first time rounding leaves something of the rows.
-        for _ in 0..2 {
-            for row in rows {
-                let share = dot(&tangent, row);
-                add(&mut tangent, row, -share);
-            }
-            let length = dot(&tangent, &tangent).sqrt();
-            for x in &mut tangent {
-                *x /= length;
-            }
+        for (row, inverse) in factors.rows.iter().zip(factors.inverses) {
+            let share = row.get(least.0).copied().unwrap_or(S::ZERO) * inverse;
+            add(&mut tangent, row, -share);
         }
-        tangent
+        let inverse = S::ONE / dot(&tangent, &tangent).sqrt();
+        tangent.map(|x| x * inverse)
     }
 
-    /// The point of the curve from which the seed is nearest, downhill from some joint values.
-    pub(super) fn nearest_point(&self, from: &[S; N]) -> Option<[S; N]> {
+    /// Whether no point of any curve is nearer to the seed than a bottom of one, at this distance.
+    ///
+    /// With the bottom's offset from the seed Jᵀλ (across its curve), another solution, v away from it, is at a squared
+    /// distance of D² + |v|² - 2 λ·r, where r is what the forward kinematics of it has beyond its linear part J v: the
+    /// second-order condition of Lagrange multipliers, made one for every v up to 2 D by a bound on r. That is |v|²/2 times
+    /// a bound on second derivatives: of the position in joints i <= j, the length of the Jacobian's column j; of the
+    /// orientation 1 for each pair of joints. Third derivatives add at most the second ones times twice the sum of angles.
+    pub(super) fn is_nearest(
+        &self,
+        q: &[S; N],
+        (tool, columns): &(Frame<S>, [[S; 6]; N]),
+        distance: S,
+    ) -> bool {
+        let (rows, _) = self.rows(tool, columns);
+        let Factors { rows, inverses, triangle } = Factors::of(rows);
+        let mut offset = *q;
+        add(&mut offset, self.seed, -S::ONE);
+        // The transposed triangle, from its last row up.
+        let mut multipliers = [S::ZERO; 6];
+        for place in (0..6).rev() {
+            let inverse = inverses.get(place).copied().unwrap_or(S::ZERO);
+            let mut own = rows.get(place).map_or(S::ZERO, |row| dot(row, &offset) * inverse);
+            for (shares, found) in triangle.iter().zip(&multipliers).skip(place + 1) {
+                own -= shares.get(place).map_or(S::ZERO, |share| *share * *found);
+            }
+            if let Some(slot) = multipliers.get_mut(place) {
+                // A row that vanishes bounds nothing.
+                *slot = if inverse > S::ZERO { own } else { S::INFINITY };
+            }
+        }
+        let [l1, l2, l3, l4, l5, l6] = multipliers;
+        let [at, turned] = [[l1, l2, l3], [l4, l5, l6]].map(norm);
+        // From the last joint to the first: the greatest column from there on, and the greatest sum of a row of bounds.
+        let (mut longest, mut behind, mut position) = (S::ZERO, S::ZERO, S::ZERO);
+        let joints = S::from_f64(self.dof as f64);
+        let mut place = joints;
+        for [vx, vy, vz, ..] in columns.iter().take(self.dof).rev() {
+            longest = longest.max(norm([*vx, *vy, *vz]) * self.per_reach);
+            position = position.max(place * longest + behind);
+            behind += longest;
+            place -= S::ONE;
+        }
+        let rotation = (joints - S::ONE) / S::TWO;
+        let angles = S::TWO * joints.sqrt() * distance;
+        (at * position + turned * rotation) * (S::ONE + S::TWO * angles) <= S::ONE
+    }
+
+    /// The point of the curve from which the seed is nearest, downhill from joint values of which this is known.
+    pub(super) fn nearest_point(&self, from: &[S; N], first: Local<N, S>) -> Option<[S; N]> {
         let mut before: Option<([S; N], S)> = None;
         let mut bend = S::ONE;
-        self.walk(from, |q, local, longest| {
+        self.walk(from, first, |q, local, longest| {
             let mut offset = *q;
             add(&mut offset, self.seed, -S::ONE);
             if let Some((tangent, moved)) = before {
@@ -138,9 +181,20 @@ where
         })
     }
 
-    /// The point of the curve where a sum of joints has a value (rad or m), the nearest along the tangent.
-    pub(super) fn crossing(&self, from: &[S; N], sum: impl Fn(&[S; N]) -> S, value: S) -> Option<[S; N]> {
-        self.walk(from, |q, local, longest| {
+    /// The point of the curve where a sum of joints has a value (rad or m), the nearest along the tangent, if it comes
+    /// before the curve is farther from the seed than both `most` and where it starts.
+    pub(super) fn crossing(
+        &self,
+        from: &[S; N],
+        sum: impl Fn(&[S; N]) -> S,
+        value: S,
+        most: S,
+    ) -> Option<[S; N]> {
+        let most = most.max(travel(from, self.seed).sqrt());
+        self.walk(from, self.local(from), |q, local, longest| {
+            if travel(q, self.seed).sqrt() > most + longest {
+                return (S::NAN, S::NAN);
+            }
             let missing = value - sum(q) - sum(&local.correction);
             let along = (missing / sum(&local.tangent)).max(-longest).min(longest);
             (along, along.abs())
@@ -152,13 +206,15 @@ where
     fn walk(
         &self,
         from: &[S; N],
+        first: Local<N, S>,
         mut along: impl FnMut(&[S; N], &mut Local<N, S>, S) -> (S, S),
     ) -> Option<[S; N]> {
         let mut q = *from;
         let most = S::from_f64(LONGEST);
         let (mut longest, mut moved) = (most, S::ZERO);
+        let mut next = Some(first);
         for _ in 0..MOVES {
-            let mut local = self.local(&q);
+            let mut local = next.take().unwrap_or_else(|| self.local(&q));
             let aside = dot(&local.correction, &local.correction).sqrt();
             // Where the curve bends away from its tangent, shorter moves stay with it.
             let strays = moved > S::ZERO && aside > moved * S::from_f64(STRAYS);
@@ -180,8 +236,53 @@ where
     }
 }
 
+/// Rows as a triangular matrix, whose diagonal is 1, times orthogonal rows, by modified Gram-Schmidt.
+struct Factors<const N: usize, S> {
+    rows: [[S; N]; 6],
+    /// One over the squares of their lengths; 0 where one vanishes.
+    inverses: [S; 6],
+    /// Below the diagonal.
+    triangle: [[S; 6]; 6],
+}
+
+impl<const N: usize, S: Float> Factors<N, S> {
+    /// Every row is taken out of all that follow at once: products that do not wait for each other.
+    #[inline]
+    fn of(mut rows: [[S; N]; 6]) -> Self {
+        let vanishing = S::from_f64(VANISHING * VANISHING);
+        let mut inverses = [S::ZERO; 6];
+        let mut triangle = [[S::ZERO; 6]; 6];
+        for (place, slot) in inverses.iter_mut().enumerate() {
+            let Some((row, rest)) = rows.get_mut(place..).and_then(<[_]>::split_first_mut) else { break };
+            let square = dot(row, row);
+            let inverse = if square > vanishing { S::ONE / square } else { S::ZERO };
+            *slot = inverse;
+            for (other, shares) in rest.iter_mut().zip(triangle.iter_mut().skip(place + 1)) {
+                let share = dot(other, row) * inverse;
+                add(other, row, -share);
+                if let Some(slot) = shares.get_mut(place) {
+                    *slot = share;
+                }
+            }
+        }
+        Self { rows, inverses, triangle }
+    }
+}
+
+/// In four sums, which do not wait for each other.
 fn dot<const N: usize, S: Float>(a: &[S; N], b: &[S; N]) -> S {
-    a.iter().zip(b).fold(S::ZERO, |sum, (a, b)| sum + *a * *b)
+    let (a, a_rest) = a.as_chunks::<4>();
+    let (b, b_rest) = b.as_chunks::<4>();
+    let mut sums = [S::ZERO; 4];
+    for ([a1, a2, a3, a4], [b1, b2, b3, b4]) in a.iter().zip(b) {
+        let [s1, s2, s3, s4] = sums;
+        sums = [s1 + *a1 * *b1, s2 + *a2 * *b2, s3 + *a3 * *b3, s4 + *a4 * *b4];
+    }
+    for (sum, (a, b)) in sums.iter_mut().zip(a_rest.iter().zip(b_rest)) {
+        *sum += *a * *b;
+    }
+    let [s1, s2, s3, s4] = sums;
+    (s1 + s3) + (s2 + s4)
 }
 
 /// a += factor * b

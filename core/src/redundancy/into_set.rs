@@ -1,8 +1,11 @@
 //! Redundant arms as motion and the command line see them: sets of solutions, as many as have room.
 
 use super::{Arm, Redundancy};
+use crate::kinematics::padded;
 use crate::solutions::travel;
-use crate::{Float, Frame, IkError, Kinematics, LengthError, MAX_JOINTS, SolutionSet, Solutions, Target};
+use crate::{
+    Float, Frame, IkError, Kinematics, LengthError, MAX_JOINTS, Seed, SolutionSet, Solutions, Target,
+};
 
 impl<S: Float> Redundancy<'_, S> {
     /// [`Kinematics::ik_into`] of a problem that leaves one joint to the caller: of the sweep's solutions, limits
@@ -18,7 +21,7 @@ impl<S: Float> Redundancy<'_, S> {
         out: &mut SolutionSet<S>,
     ) -> Result<(), IkError<S>> {
         out.clear();
-        let solutions = self.swept(arm, problem, target, &self.middle(), Ok)?;
+        let solutions = self.swept(arm, problem, target, &self.rules.middle(), Ok)?;
         out.fill_padded(arm.dof(), solutions);
         Ok(())
     }
@@ -38,15 +41,14 @@ impl<S: Float> Redundancy<'_, S> {
         let point = |q: &[S; MAX_JOINTS]| arm.rules_point(q.get(..dof).unwrap_or(q)).unwrap_or([S::NAN; 3]);
         let Some(seed) = seed else {
             let allowed = |solutions: Solutions<MAX_JOINTS, S>| solutions.within(&self.rules, point, None);
-            let solutions = self.swept(arm, problem, target, &self.middle(), allowed)?;
+            let solutions = self.swept(arm, problem, target, &self.rules.middle(), allowed)?;
             out.fill_padded(dof, solutions);
             return Ok(());
         };
         LengthError::check(dof, seed.len())?;
-        let mut padded = [S::ZERO; MAX_JOINTS];
-        padded.iter_mut().zip(seed).for_each(|(to, from)| *to = *from);
+        let padded = padded(seed);
         let target = target.validate()?;
-        let at = |free| at(arm, problem, &target, free);
+        let at = |free| at(arm, problem, &target, free, &padded);
         let allowed =
             |solutions: Solutions<MAX_JOINTS, S>| solutions.within(&self.rules, point, Some(&padded));
         let swept = self.swept(arm, problem, &target, &padded, allowed);
@@ -61,21 +63,12 @@ impl<S: Float> Redundancy<'_, S> {
             (tool, columns)
         };
         let nearest = self.nearest(Arm::new(at, state), point, &target, &padded)?;
-        let mut solutions = swept.unwrap_or(Solutions::empty());
+        let mut solutions = swept.unwrap_or(Solutions::EMPTY);
         if solutions.iter().all(|other| travel(&other.q, &nearest.q) > S::EPSILON) {
             solutions.insert_by_distance(nearest, &padded);
         }
         out.fill_padded(dof, solutions);
         Ok(())
-    }
-
-    /// The middle of all limits; 0 where there are none.
-    fn middle(&self) -> [S; MAX_JOINTS] {
-        let mut middle = [S::ZERO; MAX_JOINTS];
-        for (value, joint) in middle.iter_mut().zip(self.rules.joints) {
-            *value = joint.limits.map_or(S::ZERO, |limits| limits.middle());
-        }
-        middle
     }
 
     /// What is kept of the solutions at every sample, those nearest to `reference`.
@@ -87,10 +80,10 @@ impl<S: Float> Redundancy<'_, S> {
         reference: &[S; MAX_JOINTS],
         kept: impl Fn(Solutions<MAX_JOINTS, S>) -> Result<Solutions<MAX_JOINTS, S>, IkError<S>>,
     ) -> Result<Solutions<MAX_JOINTS, S>, IkError<S>> {
-        let mut all = Solutions::empty();
+        let mut all = Solutions::EMPTY;
         let mut refusal = IkError::NotFinite;
         for value in self.samples() {
-            match at(arm, problem, target, value).and_then(&kept) {
+            match at(arm, problem, target, value, reference).and_then(&kept) {
                 Ok(solutions) => {
                     solutions.iter().for_each(|solution| all.insert_by_distance(*solution, reference));
                 }
@@ -101,14 +94,16 @@ impl<S: Float> Redundancy<'_, S> {
     }
 }
 
-/// The solutions with the free joint at a value.
+/// The solutions with the free joint at a value; what the target leaves free besides is as in the reference.
 fn at<K: Kinematics<S> + ?Sized, S: Float>(
     arm: &K,
     problem: &str,
     target: &Target<S>,
     free: S,
+    reference: &[S; MAX_JOINTS],
 ) -> Result<Solutions<MAX_JOINTS, S>, IkError<S>> {
     let mut set = SolutionSet::new();
-    arm.ik_at_into(problem, target, &[free], &mut set)?;
+    let seed = reference.get(..arm.dof()).map(Seed::new);
+    arm.ik_seeded_into(problem, target, &[free], seed, &mut set)?;
     Ok(set.into_padded())
 }

@@ -5,14 +5,12 @@
 //! distance. These are sampled, and from every solution at a sample that may have a nearer one on its stretch of curve
 //! the way goes downhill again. Where the bottom is outside limits, the curve is followed to them.
 
-use super::curve::Curve;
-use super::{Range, Redundancy};
+use super::curve::{Curve, Local};
+use super::{Range, Redundancy, SAMPLES};
 use crate::selection::nearest_winding;
 use crate::solutions::travel;
 use crate::{Float, Frame, IkError, Limits, Rules, Solution, Solutions, Target, TargetKind};
 
-/// How many samples the whole range of the free joint takes.
-const SAMPLES: f64 = 48.0;
 /// A stretch of a branch is longer than its tangent says by up to this factor.
 const BENT: f64 = 1.5;
 /// Where the free joint hardly moves along the curve, a stretch of it is longer than the tangent says. What is farther
@@ -48,13 +46,18 @@ struct Nearest<'r, const N: usize, S, F> {
     /// The free joint (index of q).
     joint: usize,
     rules: Rules<'r, S>,
+    /// Over the whole range of the free joint.
+    samples: u32,
     curve: Curve<'r, N, S, F>,
     target: Target<S>,
     best: Option<(Solution<N, S>, S)>,
-    /// Allowed bottoms that were found.
+    /// Allowed bottoms that were found, and others.
     bottoms: [Option<[S; N]>; BOTTOMS],
+    refused: [Option<[S; N]>; BOTTOMS],
     /// Whether the way from some sample led to a bottom that was known.
     returned: bool,
+    /// Whether no solution is nearer than the best that is known.
+    certain: bool,
     /// Why what was found isn't allowed.
     refusal: Option<IkError<S>>,
 }
@@ -69,7 +72,8 @@ impl<S: Float> Redundancy<'_, S> {
     /// whatever the free joint. A seed that is itself a solution is returned as it is. For problems that prescribe the
     /// whole pose and nothing else.
     ///
-    /// A curve of solutions that lies between two of 48 samples of the free joint's range may be missed.
+    /// That none is nearer is proved where the seed is near the curve. Else a curve of solutions that lies between two of
+    /// 48 samples of the free joint's range (6, without a closed form) may be missed.
     ///
     /// # Errors
     /// [`IkError::NotFinite`] for such a seed, and those of [`Target::validate_as`]; where no sample has an allowed solution, which limit or rule one of them
@@ -93,12 +97,14 @@ impl<S: Float> Redundancy<'_, S> {
         let Target::Pose(pose) = &target else {
             return Err(IkError::WrongTarget { expected: TargetKind::Pose });
         };
-        let (position_error, rotation_error) = target.errors(&state(seed).0);
+        let at_seed = state(seed);
+        let (position_error, rotation_error) = target.errors(&at_seed.0);
         let exact = S::from_f64(EXACT) * S::EPSILON;
-        // Where the tool is at the pose, so is the point that rules ask for.
-        let forbidden = self.rules.broken_workspace(position_of(seed));
         let hits = position_error <= exact * self.reach && rotation_error <= exact;
-        if hits && forbidden.is_none() && self.rules.allow_joints(seed) {
+        // Where the tool is at the pose, so is the point that rules ask for.
+        let allowed =
+            || self.rules.allow_joints(seed) && self.rules.broken_workspace(position_of(seed)).is_none();
+        if hits && allowed() {
             return Ok(Solution { q: *seed, position_error, rotation_error, free: None });
         }
         let per_reach = if self.reach > S::ZERO { S::ONE / self.reach } else { S::ONE };
@@ -107,15 +113,19 @@ impl<S: Float> Redundancy<'_, S> {
         let mut search = Nearest {
             joint: self.joint,
             rules: self.rules,
+            samples: self.samples,
             curve,
             target,
             best: None,
             bottoms: [None; BOTTOMS],
+            refused: [None; BOTTOMS],
             returned: false,
+            certain: false,
             refusal: None,
         };
         let own = seed.get(self.joint).copied().unwrap_or(S::ZERO);
-        search.run(own, self.range(own), at, &position_of);
+        let first = search.curve.local_of(&at_seed);
+        search.run(first, own, self.range(own), at, &position_of);
         match (search.best, search.refusal) {
             (Some((solution, _)), _) => match self.rules.broken_workspace(position_of(&solution.q)) {
                 Some(rule) => Err(IkError::Forbidden { rule }),
@@ -134,13 +144,17 @@ where
 {
     fn run(
         &mut self,
+        first: Local<N, S>,
         own: S,
         range: Range<S>,
         mut at: impl FnMut(S) -> Result<Solutions<N, S>, IkError<S>>,
         position_of: impl Fn(&[S; N]) -> [S; 3],
     ) {
-        if let Some(bottom) = self.curve.nearest_point(self.curve.seed) {
+        if let Some(bottom) = self.curve.nearest_point(self.curve.seed, first) {
             self.bottom(self.curve.seed, &bottom, false);
+            if self.certain {
+                return;
+            }
         }
         let mut sample = |search: &mut Self, value: S, half: S| {
             let solutions = match at(value) {
@@ -158,14 +172,15 @@ where
             solutions.len()
         };
         let start = range.max.min(range.min.max(own));
-        let most = range.width() / S::from_f64(SAMPLES);
+        let most = range.width() / S::from_f64(f64::from(self.samples));
+        let fine = self.samples >= SAMPLES;
         let half = S::ONE / S::TWO;
         // A single sample where everything that counts is around it; more where that one does not know of what was
         // found, since the free joint turns back near there.
         let alone = self.distance() < most * half;
         let mut step = if alone { S::TWO * self.distance() } else { most };
         let first = sample(self, start, step * half);
-        if alone && !self.returned {
+        if alone && fine && !self.returned {
             step /= S::from_f64(FINER);
         }
         let mut counts = [first; 2];
@@ -184,7 +199,7 @@ where
                 inside = true;
                 let value = range.max.min(range.min.max(value));
                 let before = core::mem::replace(count, sample(self, value, step * half));
-                if before == *count {
+                if before == *count || !fine {
                     continue;
                 }
                 // Branches end in between.
@@ -224,7 +239,7 @@ where
         }
         if self.leads_back(&q, &local.tangent) {
             self.returned = true;
-        } else if let Some(bottom) = self.curve.nearest_point(&q) {
+        } else if let Some(bottom) = self.curve.nearest_point(&q, local) {
             self.bottom(&q, &bottom, true);
         }
     }
@@ -248,53 +263,70 @@ where
 
     /// The bottom of the curve downhill from somewhere; where it isn't allowed, the ends of what is.
     fn bottom(&mut self, from: &[S; N], bottom: &[S; N], on_curve: bool) {
-        if self.consider(bottom) {
-            if self.bottoms.iter().flatten().any(|known| travel(known, bottom).sqrt() <= S::SQRT_EPSILON) {
-                self.returned = true;
-            } else if let Some(slot) = self.bottoms.iter_mut().find(|slot| slot.is_none()) {
-                *slot = Some(*bottom);
-            }
+        if self.consider(bottom, true) {
+            self.returned |= remember(&mut self.bottoms, bottom);
             return;
         }
         if travel(bottom, self.curve.seed).sqrt() >= self.distance() {
             return;
         }
+        // Where nothing is allowed yet, what is may be a point, and is tried for again.
+        let known = remember(&mut self.refused, bottom) && self.best.is_some();
         let points = [Some(bottom), on_curve.then_some(from)];
         let rules = self.rules;
         for (joint, limits) in rules.joints.iter().enumerate().filter_map(|(i, j)| Some((i, j.limits?))) {
             let value = |q: &[S; N]| q.get(joint).copied().unwrap_or(S::ZERO);
-            self.ends(points, value, &limits);
+            self.ends(points, known, value, &limits);
         }
         for sum in rules.sums {
-            self.ends(points, |q: &[S; N]| sum.value(q), &sum.range);
+            self.ends(points, known, |q: &[S; N]| sum.value(q), &sum.range);
         }
     }
 
-    /// Where a limit that one of two points breaks begins to hold, from either.
-    fn ends(&mut self, points: [Option<&[S; N]>; 2], value: impl Fn(&[S; N]) -> S, limits: &Limits<S>) {
+    /// Where a limit that one of two points breaks begins to hold, from either; from the second alone where the first is
+    /// known.
+    fn ends(
+        &mut self,
+        points: [Option<&[S; N]>; 2],
+        known: bool,
+        value: impl Fn(&[S; N]) -> S,
+        limits: &Limits<S>,
+    ) {
         for outside in points.into_iter().flatten().map(&value).filter(|own| !limits.contains(*own)) {
-            for start in points.into_iter().flatten() {
-                if let Some(end) = self.curve.crossing(start, &value, limits.clamp(outside)) {
-                    self.consider(&end);
+            for start in points.into_iter().skip(usize::from(known)).flatten() {
+                if let Some(end) = self.curve.crossing(start, &value, limits.clamp(outside), self.distance())
+                {
+                    self.consider(&end, false);
                 }
             }
         }
     }
 
-    /// Takes joint values on the curve for the best where they are; whether they are allowed.
-    fn consider(&mut self, q: &[S; N]) -> bool {
+    /// Takes joint values on the curve, maybe a bottom of it, for the best where they are; whether they are allowed.
+    fn consider(&mut self, q: &[S; N], bottom: bool) -> bool {
         if !self.rules.allow_joints(q) {
             return false;
         }
         let distance = travel(q, self.curve.seed).sqrt();
         if distance < self.distance() {
-            let (position_error, rotation_error) = self.target.errors(&(self.curve.state)(q).0);
+            let state = (self.curve.state)(q);
+            let (position_error, rotation_error) = self.target.errors(&state.0);
             let tolerance = crate::residual_tolerance::<S>();
             if position_error * self.curve.per_reach > tolerance || rotation_error > tolerance {
                 return false;
             }
             self.best = Some((Solution { q: *q, position_error, rotation_error, free: None }, distance));
+            self.certain = bottom && self.curve.is_nearest(q, &state, distance);
         }
         true
     }
+}
+
+/// Whether joint values were known; they are now, if there is room.
+fn remember<const N: usize, S: Float>(list: &mut [Option<[S; N]>; BOTTOMS], q: &[S; N]) -> bool {
+    let known = list.iter().flatten().any(|known| travel(known, q).sqrt() <= S::SQRT_EPSILON);
+    if !known && let Some(slot) = list.iter_mut().find(|slot| slot.is_none()) {
+        *slot = Some(*q);
+    }
+    known
 }

@@ -1,6 +1,6 @@
 //! A joint that a target leaves free, or next to free: one of its values, with which the rest can be solved.
 
-use super::{DEPTH_OF_MISSED, Failure, Search};
+use super::{DEPTH_OF_MISSED, Failure, Roots, Search};
 use crate::{Float, Step};
 
 /// Values of a free joint that are tried at even distances: multiples of an eighth of half a turn, or of the reach.
@@ -20,11 +20,15 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// that it may be in is searched.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Free<S> {
-    step: Step,
+    pub(super) step: Step,
     /// Whether any value meets the equation; else only those in the interval.
     any: bool,
+    /// How many values at even distances are tried: none of a root that is known to some digits.
+    even: u32,
     tried: u32,
+    /// The first one.
     pub(super) value: S,
+    start: S,
     /// How many solutions there were before.
     accepted: u32,
     /// The failure before, and the best one since with the value that led to it.
@@ -36,17 +40,37 @@ pub(super) struct Free<S> {
 }
 
 impl<const N: usize, S: Float> Search<'_, N, S> {
-    /// The next value of a step, if none led to a solution yet.
+    /// Any value of a step, starting with `free`'s.
+    pub(super) fn free(&mut self, free: Free<S>) -> Roots<S> {
+        let Free { step, value, .. } = free;
+        match self.free.get_mut(usize::from(step.index)) {
+            Some(slot) => *slot = Some(free),
+            // More steps than joints: there are none.
+            None => return Roots::NONE,
+        }
+        Roots::any(step, value)
+    }
+
+    /// The next value of a step that is free, if none led to a solution yet.
     #[cold]
     #[inline(never)]
-    pub(super) fn next_value(&mut self, mut free: Free<S>) -> (Option<S>, Free<S>) {
+    pub(super) fn next_value(&mut self, step: u8) -> Option<S> {
+        let mut free = self.free.get(usize::from(step)).copied().flatten()?;
+        let value = self.next_of(&mut free);
+        if let Some(slot) = self.free.get_mut(usize::from(step)) {
+            *slot = Some(free);
+        }
+        value
+    }
+
+    fn next_of(&mut self, free: &mut Free<S>) -> Option<S> {
         if free.tried == 0 {
             free.outer = self.failure.take();
         } else {
             let failure = self.failure.take();
             if self.accepted > free.accepted {
                 self.failure = free.outer;
-                return (None, free);
+                return None;
             }
             free.note(failure);
         }
@@ -61,18 +85,21 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             }
         }
         free.value = value.unwrap_or(free.value);
-        (value, free)
+        value
     }
 }
 
 impl<S: Float> Free<S> {
-    /// Of a step that any value meets; `value` is the first to be tried.
-    pub(super) fn any(step: Step, value: S, accepted: u32) -> Self {
+    /// Of a step that any value meets: what is wanted, and values about that, before others.
+    pub(super) fn any(step: Step, wanted: Option<S>, accepted: u32) -> Self {
+        let start = wanted.unwrap_or(S::ZERO);
         Self {
             step,
             any: true,
+            even: if wanted.is_some() { 2 * EVEN } else { EVEN },
             tried: 0,
-            value,
+            value: start,
+            start,
             accepted,
             outer: None,
             best: None,
@@ -84,21 +111,31 @@ impl<S: Float> Free<S> {
     /// Of a root that is somewhere in an interval.
     pub(super) fn about(step: Step, root: S, uncertainty: S, accepted: u32) -> Self {
         let interval = [root - uncertainty, root + uncertainty];
-        Self { any: false, interval, ..Self::any(step, root, accepted) }
+        Self { any: false, even: 0, interval, ..Self::any(step, Some(root), accepted) }
+    }
+
+    /// One of the values at even distances.
+    fn at_even_distance(&self, number: u32, half_range: S) -> S {
+        // Quarter turns first, then eighths, then sixteenths.
+        const ORDER: [i8; EVEN as usize] = [0, 4, -4, 8, 2, -2, 6, -6, 1, -1, 3, -3, 5, -5, 7, -7];
+        let (from, eighths) = if self.even > EVEN && number < EVEN {
+            // About what is wanted, the nearest first.
+            let away = (number / 2 + 1) as i8;
+            (self.start, if number.is_multiple_of(2) { away } else { -away })
+        } else {
+            (S::ZERO, ORDER.get((number % EVEN) as usize).copied().unwrap_or(0))
+        };
+        from + S::from_f64(f64::from(eighths) / 8.0) * half_range
     }
 
     fn next(&mut self, reach: S) -> Option<S> {
         if self.tried == 0 {
             return Some(self.value);
         }
-        // Half a turn, or the reach (m).
-        let half_range = if self.step.prismatic { reach } else { S::PI };
-        let even = if self.any { EVEN } else { 0 };
+        let half_range = self.step.half_range(reach);
+        let even = self.even;
         if self.tried <= even {
-            // Quarter turns first, then eighths, then sixteenths.
-            const ORDER: [i8; EVEN as usize] = [0, 4, -4, 8, 2, -2, 6, -6, 1, -1, 3, -3, 5, -5, 7, -7];
-            let eighths = ORDER.get(self.tried as usize - 1).copied().unwrap_or(0);
-            return Some(S::from_f64(f64::from(eighths) / 8.0) * half_range);
+            return Some(self.at_even_distance(self.tried - 1, half_range));
         }
         if self.tried > even + REFINED {
             return None;
@@ -113,7 +150,7 @@ impl<S: Float> Free<S> {
 
     fn note(&mut self, failure: Option<Failure<S>>) {
         let Some(failure) = failure else { return };
-        if self.tried > if self.any { EVEN + 1 } else { 1 } {
+        if self.tried > self.even + 1 {
             let [left, right] = &mut self.inner;
             *(if left.is_none() { left } else { right }) = Some(failure);
         }

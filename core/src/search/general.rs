@@ -1,8 +1,8 @@
 //! Chains without a closed form: all joints at once.
 
-use super::Search;
-use crate::general::{GeneralArm, JOINTS, same};
-use crate::{Float, Frame, IkError, Step, Target};
+use super::{Search, bit};
+use crate::general::{GeneralArm, JOINTS, SixJoints, same};
+use crate::{Float, Frame, IkError, MAX_SOLUTIONS, Step, Target};
 
 /// How many candidates are kept: the sixteen solutions that six joints can have, and what double roots add.
 const MAX_CANDIDATES: usize = 64;
@@ -10,31 +10,59 @@ const MAX_CANDIDATES: usize = 64;
 /// Two candidates that are nearer than this (rad; m, in an arm of 1 m) are one.
 const SAME: f64 = 1e-6;
 
+/// Points of a curve of solutions that are nearer than this (rad; m, in an arm of 1 m) are as good as one, once there are
+/// more solutions than an arm can have without such a curve.
+const SAME_STRETCH: f64 = 0.3;
+
 /// Values of six joints each.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidates<S = f64> {
-    list: [[S; JOINTS]; MAX_CANDIDATES],
+    step: Step,
+    list: [Candidate<S>; MAX_CANDIDATES],
     len: usize,
+    next: usize,
+}
+
+/// Values of six joints, and which of them is free.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Candidate<S> {
+    q: [S; JOINTS],
+    free: Option<usize>,
 }
 
 impl<S: Float> Candidates<S> {
-    /// As a slice.
-    pub fn as_slice(&self) -> &[[S; JOINTS]] {
+    const fn none(step: Step) -> Self {
+        let nothing = Candidate { q: [S::ZERO; JOINTS], free: None };
+        Self { step, list: [nothing; MAX_CANDIDATES], len: 0, next: 0 }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    fn as_slice(&self) -> &[Candidate<S>] {
         self.list.get(..self.len).unwrap_or(&self.list)
     }
-}
 
-impl<S: Float> IntoIterator for Candidates<S> {
-    type Item = [S; JOINTS];
-    type IntoIter = core::iter::Take<core::array::IntoIter<[S; JOINTS], MAX_CANDIDATES>>;
-    fn into_iter(self) -> Self::IntoIter {
-        self.list.into_iter().take(self.len)
+    fn push(&mut self, candidate: Candidate<S>) {
+        if let Some(place) = self.list.get_mut(self.len) {
+            *place = candidate;
+            self.len += 1;
+        }
     }
 }
 
 impl<const N: usize, S: Float> Search<'_, N, S> {
     /// The values (rad, m) of the six joints of a chain that are not given, for a target that prescribes its tip wholly
     /// or with the help of joints at the tip that only the chain has. Computed in f64.
+    ///
+    /// Of solutions that form a curve, those points are returned that are nearest to what is wanted.
     pub fn general(
         &mut self,
         step: Step,
@@ -43,7 +71,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         given: &[S],
     ) -> Candidates<S> {
         let _ = self.begin(step);
-        let mut candidates = Candidates { list: [[S::ZERO; JOINTS]; MAX_CANDIDATES], len: 0 };
+        let mut candidates = Candidates::none(step);
         let mut values = [0.0; crate::MAX_JOINTS];
         for (value, given) in values.iter_mut().zip(given) {
             *value = given.to_f64();
@@ -57,23 +85,73 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         };
         // Angles are compared in rad, slides in m.
         let scale = if arm.reach < 1.0 { arm.reach } else { 1.0 };
-        let mut list = [[0.0; JOINTS]; MAX_CANDIDATES];
-        let mut len = 0;
+        let mut found = Candidates::none(step);
         let outcome = six.solve(&pose, |solution| {
-            let known = list.iter().take(len).any(|other| same(other, solution, six.prismatic, SAME * scale));
-            if let Some(place) = list.get_mut(len).filter(|_| !known) {
-                *place = *solution;
-                len += 1;
+            let crowded = found.len >= MAX_SOLUTIONS && six.is_singular(solution);
+            let near = scale * if crowded { SAME_STRETCH } else { SAME };
+            if !found.as_slice().iter().any(|other| same(&other.q, solution, six.prismatic, near)) {
+                found.push(Candidate { q: *solution, free: None });
             }
         });
-        for (place, q) in candidates.list.iter_mut().zip(list).take(len) {
-            *place = q.map(S::from_f64);
+        if outcome.doubted || found.len > MAX_SOLUTIONS {
+            found = self.without_curves(&six, &pose, &found, scale);
         }
-        candidates.len = len;
-        if len == 0 {
+        for candidate in found.as_slice() {
+            candidates.push(Candidate { q: candidate.q.map(S::from_f64), free: candidate.free });
+        }
+        if found.is_empty() {
             let excess = S::from_f64(outcome.miss);
             self.fail_step(step, excess, IkError::Unreachable { step, excess });
         }
         candidates
+    }
+
+    /// One point of every curve.
+    #[cold]
+    #[inline(never)]
+    fn without_curves(
+        &self,
+        six: &SixJoints<'_>,
+        pose: &Frame,
+        found: &Candidates<f64>,
+        scale: f64,
+    ) -> Candidates<f64> {
+        let (mut wanted, mut aside) = ([0.0; JOINTS], 0.0);
+        if let Some((unknowns, away)) = self.wanted {
+            wanted = [f64::NAN; JOINTS];
+            wanted.iter_mut().zip(unknowns).for_each(|(to, from)| *to = from.to_f64());
+            aside = away.to_f64();
+        }
+        let mut list = Candidates::none(found.step);
+        for candidate in found.as_slice() {
+            let point = six.on_curve(pose, &candidate.q, &wanted, aside);
+            let candidate =
+                point.map_or(*candidate, |point| Candidate { q: point.q, free: Some(point.joint) });
+            let known = |other: &Candidate<f64>| same(&other.q, &candidate.q, six.prismatic, SAME * scale);
+            if !list.as_slice().iter().any(known) {
+                list.push(candidate);
+            }
+        }
+        list
+    }
+
+    /// The next candidate to go on with.
+    #[inline]
+    pub fn next_candidate(&mut self, candidates: &mut Candidates<S>) -> Option<[S; JOINTS]> {
+        let candidate = *candidates.as_slice().get(candidates.next)?;
+        candidates.next += 1;
+        let step = candidates.step;
+        self.free_steps &= !bit(step);
+        // The joints to be found are the step's rows, base to tip; behind them are those that only the chain has.
+        let mut rows = (0..u32::BITS).filter(|row| step.rows & (1 << row) != 0);
+        let last = rows.clone().next_back();
+        let row = candidate.free.and_then(|place| rows.nth(place).or(last));
+        if let Some(row) = row {
+            self.free_steps |= bit(step);
+            if let Some(slot) = self.free_rows.get_mut(usize::from(step.index)) {
+                *slot = row as u8;
+            }
+        }
+        Some(candidate.q)
     }
 }

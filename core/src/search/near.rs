@@ -11,7 +11,6 @@ mod newton;
 
 use fold::Fold;
 
-use super::roots::Root;
 use super::{Roots, Search};
 use crate::frame::{norm, sub};
 use crate::{Float, Frame, IkError, Polished, Solution, Solutions, Step, Winding, rotation_error};
@@ -139,7 +138,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let far = (S::TWO * (excess.abs() + S::TWO * off) / h).sqrt();
         self.end(step, far);
         let size = if c < S::ZERO { -h } else { h };
-        Roots::one(Root::Angle { sin: b / size, cos: a / size })
+        Roots::angle([b / size, a / size])
     }
 
     /// [`Search::trig_unit`]: its two roots meet where d and e vanish.
@@ -183,7 +182,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             return self.doubt();
         }
         let unit = S::ONE / length;
-        Roots::one(Root::Angle { sin: sin * unit, cos: cos * unit })
+        Roots::angle([sin * unit, cos * unit])
     }
 
     /// [`Search::linear`]: it has no root where a vanishes.
@@ -196,7 +195,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         }
         let root = c / a;
         self.end(step, off * (S::ONE + (root / unit).abs()) / slope);
-        Roots::one(Root::Value(root))
+        Roots::value(root)
     }
 
     /// [`Search::quadratic`]: its two roots meet where b² = 4 a c.
@@ -220,7 +219,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let (first, second) = (greater / a, c / greater);
         let far = first.abs().max(second.abs()).max(S::ONE);
         self.end(step, off * far * far / root);
-        Roots::two(Root::Value(first * unit), Root::Value(second * unit))
+        Roots::values(first * unit, second * unit)
     }
 
     /// The next root (rad or m) to go on with.
@@ -301,7 +300,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
 
     /// What was found, or that there is nothing to be found; `None` where that is not sure.
     #[inline]
-    pub fn finish(self) -> Option<Result<Solutions<N, S>, IkError<S>>> {
+    pub fn finish(&mut self) -> Option<Result<Solutions<N, S>, IkError<S>>> {
         if self.doubtful { None } else { Some(self.search.finish()) }
     }
 }

@@ -1,6 +1,5 @@
 //! Equations in one unknown and its square.
 
-use super::roots::Root;
 use super::{DOUBLE_ROOT, Roots, Scale, Search};
 use crate::{Float, IkError, Step};
 
@@ -38,15 +37,15 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             return self.fail_step(step, -inside / scale.size, IkError::Unreachable { step, excess });
         }
         if inside <= S::from_f64(DOUBLE_ROOT) * S::EPSILON * scale.size.max(size * size / a.abs()) {
-            return Roots::one(Root::Value(-half / a * unit));
+            return Roots::value(-half / a * unit);
         }
         let root = (inside * a.abs()).sqrt();
         let greater = if half < S::ZERO { size + root } else { -(size + root) };
         let (first, second) = (greater / a * unit, c / greater * unit);
         match (first.is_finite(), second.is_finite()) {
-            (true, true) => Roots::two(Root::Value(first), Root::Value(second)),
-            (true, false) => Roots::one(Root::Value(first)),
-            (false, true) => Roots::one(Root::Value(second)),
+            (true, true) => Roots::values(first, second),
+            (true, false) => Roots::value(first),
+            (false, true) => Roots::value(second),
             (false, false) => self.not_finite(step),
         }
     }
@@ -60,7 +59,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             return self.degenerate(step, c.abs(), scale);
         }
         let root = c / a * self.unit(step);
-        if root.is_finite() { Roots::one(Root::Value(root)) } else { self.not_finite(step) }
+        if root.is_finite() { Roots::value(root) } else { self.not_finite(step) }
     }
 
     /// The size of the unknown: the reach (m), or 1 rad.

@@ -1,98 +1,115 @@
 //! Roots of an equation in one unknown, and their order.
 
 use super::Search;
-use super::free::Free;
 use crate::{Float, Step};
 
 /// Roots of an equation in one unknown: one or two, none, or any value where the coefficients vanish. The loop over them
 /// is [`Search::next`] or [`Search::next_angle`].
+///
+/// Plain numbers, so that they stay in registers; what a free step has tried is kept by the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Roots<S = f64> {
-    first: Option<Root<S>>,
-    second: Option<Root<S>>,
-    /// How any value is chosen.
-    free: Option<Free<S>>,
+    form: Form,
+    /// How many of the two are left; of any value, the first.
+    left: u8,
+    first: Root<S>,
+    second: Root<S>,
+    /// Whether the second one is the first one's negative: then so is its angle.
+    opposite: bool,
+    /// The angle of the root before.
+    angle: S,
 }
 
-/// One root.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Root<S> {
-    /// m, or rad
-    Value(S),
-    /// An angle by its sine and cosine, the form in which equations need it.
-    Angle { sin: S, cos: S },
-}
+/// One root: a value (m, rad) with 0 beside it, or an angle by its sine and cosine, the form in which equations need it.
+type Root<S> = [S; 2];
 
-impl<S: Float> Root<S> {
-    fn value(self) -> S {
-        match self {
-            Self::Value(value) => value,
-            Self::Angle { sin, cos } => sin.atan2(cos),
-        }
-    }
-
-    #[inline]
-    fn angle(self) -> (S, S, S) {
-        match self {
-            Self::Angle { sin, cos } => (sin.atan2(cos), sin, cos),
-            Self::Value(angle) => {
-                let (sin, cos) = angle.sin_cos();
-                (angle, sin, cos)
-            }
-        }
-    }
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Form {
+    Values,
+    Angles,
+    /// Any value; the index of the step.
+    Free(u8),
 }
 
 impl<S: Float> Roots<S> {
     /// No root.
-    pub const NONE: Self = Self { first: None, second: None, free: None };
+    pub const NONE: Self = Self {
+        form: Form::Angles,
+        left: 0,
+        first: [S::ZERO; 2],
+        second: [S::ZERO; 2],
+        opposite: false,
+        angle: S::ZERO,
+    };
 
+    /// One angle by sine and cosine.
     #[inline]
-    pub(super) const fn one(root: Root<S>) -> Self {
-        Self { first: Some(root), second: None, free: None }
+    pub(super) const fn angle(first: [S; 2]) -> Self {
+        Self { left: 1, first, ..Self::NONE }
     }
 
+    /// Two angles by sine and cosine; `opposite` where they differ in the sign of the sine alone.
     #[inline]
-    pub(super) const fn two(first: Root<S>, second: Root<S>) -> Self {
-        Self { first: Some(first), second: Some(second), free: None }
+    pub(super) const fn angles(first: [S; 2], second: [S; 2], opposite: bool) -> Self {
+        Self { left: 2, first, second, opposite, ..Self::NONE }
     }
 
-    /// Any value, of a step whose coefficients vanish; the first is `value`, and `accepted` candidates were taken before.
-    pub(super) fn any(step: Step, value: S, accepted: u32) -> Self {
-        Self { first: None, second: None, free: Some(Free::any(step, value, accepted)) }
+    /// One value (m, rad).
+    pub(super) const fn value(value: S) -> Self {
+        Self { form: Form::Values, left: 1, first: [value, S::ZERO], ..Self::NONE }
     }
 
-    /// A root (rad or m) that may be off by as much as `uncertainty`.
-    pub(super) fn about(step: Step, root: S, uncertainty: S, accepted: u32) -> Self {
-        Self { first: None, second: None, free: Some(Free::about(step, root, uncertainty, accepted)) }
+    /// Two values (m, rad).
+    pub(super) const fn values(first: S, second: S) -> Self {
+        Self { form: Form::Values, left: 2, first: [first, S::ZERO], second: [second, S::ZERO], ..Self::NONE }
+    }
+
+    /// Any value, or one that is not known well; the first is `value`. The search knows the others.
+    pub(super) const fn any(step: Step, value: S) -> Self {
+        Self { form: Form::Free(step.index), left: 1, first: [value, S::ZERO], ..Self::NONE }
     }
 
     /// How many roots there are; any value counts as one.
     pub fn len(&self) -> usize {
-        let roots = usize::from(self.first.is_some()) + usize::from(self.second.is_some());
-        roots + usize::from(self.free.is_some())
+        usize::from(self.left)
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.left == 0
+    }
+
+    /// The same roots, out of the memory that a function returned them in: what is written to there cannot be kept in
+    /// registers.
+    #[inline]
+    pub(super) const fn unpacked(self) -> Self {
+        let Self { form, left, first: [a, b], second: [c, d], opposite, angle } = self;
+        Self { form, left, first: [a, b], second: [c, d], opposite, angle }
     }
 
     #[inline]
     fn take(&mut self) -> Option<Root<S>> {
+        if self.left == 0 {
+            return None;
+        }
+        self.left -= 1;
         let root = self.first;
-        self.first = self.second.take();
-        root
+        self.first = self.second;
+        Some(root)
+    }
+
+    /// A root as a value.
+    fn value_of(&self, [first, second]: Root<S>) -> S {
+        if self.form == Form::Angles { first.atan2(second) } else { first }
     }
 }
 
 /// The roots (rad or m); of any value, the first to be tried.
 impl<S: Float> IntoIterator for Roots<S> {
     type Item = S;
-    type IntoIter = core::iter::Flatten<core::array::IntoIter<Option<S>, 3>>;
+    type IntoIter = core::iter::Take<core::array::IntoIter<S, 2>>;
     fn into_iter(self) -> Self::IntoIter {
-        let [first, second] = [self.first, self.second].map(|root| root.map(Root::value));
-        [first, second, self.free.map(|free| free.value)].into_iter().flatten()
+        [self.first, self.second].map(|root| self.value_of(root)).into_iter().take(self.len())
     }
 }
 
@@ -101,22 +118,41 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     /// solution.
     #[inline]
     pub fn next(&mut self, roots: &mut Roots<S>) -> Option<S> {
-        if let Some(free) = roots.free {
-            let (value, free) = self.next_value(free);
-            roots.free = Some(free);
-            return value;
+        if let Form::Free(step) = roots.form {
+            return self.next_value(step);
         }
-        roots.take().map(Root::value)
+        let root = roots.take()?;
+        Some(roots.value_of(root))
     }
 
     /// The same for an angle (rad), with its sine and cosine.
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "a call would put the roots into memory")]
     pub fn next_angle(&mut self, roots: &mut Roots<S>) -> Option<(S, S, S)> {
-        if let Some(free) = roots.free {
-            let (value, free) = self.next_value(free);
-            roots.free = Some(free);
-            return value.map(|value| Root::Value(value).angle());
+        match roots.form {
+            Form::Angles => {
+                let second = roots.left == 1;
+                let [sin, cos] = roots.take()?;
+                let angle = if roots.opposite && second { -roots.angle } else { sin.atan2(cos) };
+                roots.angle = angle;
+                Some((angle, sin, cos))
+            }
+            Form::Values => {
+                let [angle, _] = roots.take()?;
+                Some(with_sine(angle))
+            }
+            Form::Free(step) => {
+                let angle = self.next_value(step)?;
+                Some(with_sine(angle))
+            }
         }
-        roots.take().map(Root::angle)
     }
+}
+
+/// An angle (rad) with its sine and cosine.
+#[cold]
+#[inline(never)]
+fn with_sine<S: Float>(angle: S) -> (S, S, S) {
+    let (sin, cos) = angle.sin_cos();
+    (angle, sin, cos)
 }

@@ -1,6 +1,6 @@
 //! Equations in the cosine and sine of one angle.
 
-use super::roots::Root;
+use super::free::Free;
 use super::{DOUBLE_ROOT, Roots, Scale, Search};
 use crate::{Float, IkError, Step};
 
@@ -25,6 +25,10 @@ const CLEAR: f64 = 1024.0;
 /// the larger one: no digit but the last two is lost then.
 const INDEPENDENT: f64 = 1e-4;
 
+/// Two rows of this many machine epsilons (of the size of the numbers that they are made of) are met by any angle, as far as
+/// the target is: to 1e-13 in f64. What they say of it is what rounding has left.
+const INDIFFERENT: f64 = 512.0;
+
 /// Cosine and sine from two well-conditioned rows are taken as they come if the sum of their squares is this many
 /// machine epsilons from 1.
 const CONSISTENT: f64 = 4096.0;
@@ -42,7 +46,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         if rest > S::from_f64(WELL_INSIDE) * square && square > scale.tolerance * scale.tolerance {
             return both(a, b, c, rest.sqrt(), S::ONE / square);
         }
-        self.trig_at_edge(step, [a, b, c], &scale)
+        self.trig_at_edge(step, [a, b, c], &scale).unpacked()
     }
 
     /// The angles x (rad) with a cos x + b sin x = c, where a² + b² is 1 and c is a coordinate of a unit vector whose
@@ -57,7 +61,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             let unit = S::ONE - off / S::TWO;
             return both(a, b, c * unit, rest.sqrt() * unit, S::ONE);
         }
-        self.trig_at_pole(step, [a, b, c], rest.sqrt(), &scale)
+        self.trig_at_pole(step, [a, b, c], rest.sqrt(), &scale).unpacked()
     }
 
     /// The angle x (rad) with a1 cos x + b1 sin x = c1 and a2 cos x + b2 sin x = c2.
@@ -81,10 +85,10 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             let off = cos * cos + sin * sin - S::ONE;
             if off.abs() <= S::from_f64(CONSISTENT) * S::EPSILON {
                 let unit = S::ONE - off / S::TWO;
-                return Roots::one(Root::Angle { sin: sin * unit, cos: cos * unit });
+                return Roots::angle([sin * unit, cos * unit]);
             }
         }
-        self.trig_pair_with_care(step, first, second, &scale)
+        self.trig_pair_with_care(step, first, second, &scale).unpacked()
     }
 
     /// [`Search::trig`] where its fast way doesn't apply.
@@ -107,7 +111,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         self.doubtful |= rest <= S::from_f64(CLEAR) * S::EPSILON * h * h || h <= scale.tolerance;
         if excess >= -(S::from_f64(DOUBLE_ROOT) * S::EPSILON * scale.size.max(h)) {
             let (cos, sin) = if c < S::ZERO { (-a, -b) } else { (a, b) };
-            return Roots::one(Root::Angle { sin, cos });
+            return Roots::angle([sin, cos]);
         }
         both(a, b, c / h, rest.sqrt() / h, S::ONE)
     }
@@ -128,7 +132,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         }
         if rest <= scale.vanishing {
             let (cos, sin) = if c < S::ZERO { (-a, -b) } else { (a, b) };
-            return Roots::one(Root::Angle { sin, cos });
+            return Roots::angle([sin, cos]);
         }
         both(a, b, c / length, rest / length, S::ONE)
     }
@@ -188,12 +192,18 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let (cosine, sine) = (cosine / length, sine / length);
         let change = gauss_newton(first, second, cosine, sine);
         if h <= scale.tolerance {
+            let root = sine.atan2(cosine) + change;
+            if h.max(gap) <= S::from_f64(INDIFFERENT) * S::EPSILON * scale.size {
+                self.mark_free(step);
+                let value = self.wanted_of(step).unwrap_or(root);
+                return self.free(Free::any(step, Some(value), self.accepted));
+            }
             // Rounding of the right-hand sides, over the size of the rows.
             let uncertainty = (scale.vanishing / h).min(S::PI);
-            return Roots::about(step, sine.atan2(cosine) + change, uncertainty, self.accepted);
+            return self.free(Free::about(step, root, uncertainty, self.accepted));
         }
         let (sin, cos) = change.sin_cos();
-        Roots::one(Root::Angle { sin: sine * cos + cosine * sin, cos: cosine * cos - sine * sin })
+        Roots::angle([sine * cos + cosine * sin, cosine * cos - sine * sin])
     }
 
     /// [`Search::unreachable`] for a step whose scale isn't at hand.
@@ -221,10 +231,7 @@ fn size<S: Float>(a: S, b: S) -> S {
 pub(super) fn both<S: Float>(a: S, b: S, c: S, r: S, factor: S) -> Roots<S> {
     let (along, across) = (a * c * factor, b * c * factor);
     let (turned, back) = (b * r * factor, a * r * factor);
-    Roots::two(
-        Root::Angle { sin: across + back, cos: along - turned },
-        Root::Angle { sin: across - back, cos: along + turned },
-    )
+    Roots::angles([across + back, along - turned], [across - back, along + turned], b == S::ZERO)
 }
 
 /// The change of angle that brings both rows nearest to their right-hand sides, from an angle given by cosine and sine.

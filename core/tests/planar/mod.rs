@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use dh_core::{
     FULL_POSE, Frame, IkError, Joint, JointKind, Kinematics, LengthError, Limits, Measure, ProblemInfo,
-    Rules, Search, SolutionSet, Step, Target, TargetKind, Winding,
+    Rules, Search, Seed, SolutionSet, Step, Target, TargetKind, Wanted, Winding,
 };
 
 const A1: f64 = 0.5;
@@ -69,8 +69,8 @@ impl Kinematics for Planar {
     }
     fn problems(&self) -> &[ProblemInfo<'_>] {
         &[
-            ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
-            ProblemInfo { name: "plane", target: TargetKind::XyYaw, free: &[] },
+            ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
+            ProblemInfo { name: "plane", target: TargetKind::XyYaw, free: &[], constraints: &[] },
         ]
     }
     fn fk(&self, q: &[f64]) -> Result<Frame, LengthError> {
@@ -95,11 +95,19 @@ impl Kinematics for Planar {
         }
         Ok(())
     }
-    fn ik_into(&self, problem: &str, target: &Target, out: &mut SolutionSet) -> Result<(), IkError> {
+    fn ik_seeded_into(
+        &self,
+        problem: &str,
+        target: &Target,
+        free: &[f64],
+        seed: Option<Seed<'_>>,
+        out: &mut SolutionSet,
+    ) -> Result<(), IkError> {
         const STEP_1: Step = Step::new(0, 0b010, false, Measure::Area);
         const STEP_2: Step = Step::new(1, 0b001, false, Measure::Length);
         const STEP_3: Step = Step::new(2, 0b100, false, Measure::Ratio);
         out.clear();
+        LengthError::check(0, free.len())?;
         let info = self.problems().iter().find(|info| info.name == problem).ok_or(IkError::UnknownProblem)?;
         let target = target.validate()?;
         let (px, py, cyaw, syaw) = match target {
@@ -112,7 +120,8 @@ impl Kinematics for Planar {
             }
         };
         let (wx, wy) = (px - A3 * cyaw, py - A3 * syaw);
-        let mut search = Search::<3>::new(REACH, &WINDINGS);
+        let wanted = Wanted::of(seed, |&[q1, q2, q3]: &[f64; 3]| [q2, q1, q3])?;
+        let mut search = Search::<3>::about(REACH, &WINDINGS, &wanted);
         for theta2 in search.trig(STEP_1, 2.0 * A1 * A2, 0.0, wx * wx + wy * wy - A1 * A1 - A2 * A2) {
             let (s2, c2) = theta2.sin_cos();
             let (x2, y2) = (A1 + A2 * c2, A2 * s2);

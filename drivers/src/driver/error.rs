@@ -89,6 +89,8 @@ pub enum Cause {
     Unheeded,
     /// Torque is off.
     TorqueOff,
+    /// The servos have no power, so that the device does not know where they are: switching torque on gives it to them.
+    PowerOff,
     /// The device's watchdog has stopped it, or it came back from being away: torque must be switched on anew.
     Interrupted,
     /// The device can't do that.
@@ -147,6 +149,7 @@ impl fmt::Display for Cause {
             Self::WrongModel { expected, got } => write!(f, "the table says {expected}, but it is {got}"),
             Self::Unheeded => f.write_str("written, but it does not stay so"),
             Self::TorqueOff => f.write_str("torque is off"),
+            Self::PowerOff => f.write_str("the servos have no power"),
             Self::Interrupted => f.write_str("the device was stopped or away: switch torque on anew"),
             Self::Unsupported => f.write_str("the device can't do that"),
         }

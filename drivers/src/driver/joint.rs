@@ -30,11 +30,16 @@ pub struct DeviceJoint {
 
 impl DeviceJoint {
     fn of_table(joint: &Joint<'_>) -> Result<Self, MapError> {
-        let missing = |what| MapError { joint: joint.name.to_owned(), what };
-        let servo = joint.servo.ok_or(missing("no servo"))?;
-        let id = servo.id.ok_or(missing("a servo without an id"))?;
+        let missing = |what, instead: &str| MapError {
+            joint: joint.name.to_owned(),
+            what,
+            instead: instead.to_owned(),
+        };
+        let with_id = "write servo = { id = ... } in its entry";
+        let servo = joint.servo.ok_or_else(|| missing("no servo", with_id))?;
+        let id = servo.id.ok_or_else(|| missing("a servo without an id", with_id))?;
         if !(servo.scale.is_finite() && servo.scale != 0.0 && servo.zero.is_finite()) {
-            return Err(missing("a servo whose scale or zero is no number"));
+            return Err(missing("a servo whose scale or zero is no number", "write finite ones"));
         }
         Ok(Self {
             name: joint.name.to_owned(),
@@ -48,6 +53,14 @@ impl DeviceJoint {
             range: servo.range,
             model: servo.model.map(str::to_owned),
         })
+    }
+
+    /// A servo that is no joint, of this name.
+    ///
+    /// # Errors
+    /// Where it has no id, or numbers that are none.
+    pub fn of_servo(name: &str, servo: Servo<'_>) -> Result<Self, MapError> {
+        Self::of_table(&Joint { servo: Some(servo), ..Joint::revolute(name) })
     }
 
     /// The device value of a joint value (rad or m); neither rounded nor held in the range.
@@ -110,13 +123,15 @@ impl JointMap {
 pub struct MapError {
     /// The joint's name.
     pub joint: String,
-    /// What it has instead of a servo.
+    /// What it has in place of a servo that would do.
     pub what: &'static str,
+    /// What to do about it.
+    pub instead: String,
 }
 
 impl fmt::Display for MapError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "joint {} has {}: write servo = {{ id = ... }} in its entry", self.joint, self.what)
+        write!(f, "joint {} has {}: {}", self.joint, self.what, self.instead)
     }
 }
 

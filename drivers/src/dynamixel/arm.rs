@@ -1,5 +1,6 @@
 //! An arm of Dynamixel servos as motion sees it.
 
+mod attachment;
 mod command;
 mod setup;
 mod state;
@@ -11,7 +12,7 @@ use super::control_table::{
 };
 use super::status::hardware_fault;
 use crate::clock::{Clock, Time};
-use crate::driver::{Cause, Driver, DriverError, Fault, JointMap, Pace, State, Watchdog};
+use crate::driver::{Attachment, Cause, Driver, DriverError, Fault, JointMap, Pace, State, Watchdog};
 use crate::motion::Command;
 use std::sync::Arc;
 use std::time::Duration;
@@ -72,6 +73,7 @@ pub struct Arm {
     bus: Bus,
     map: JointMap,
     servos: Vec<Servo>,
+    attached: Vec<attachment::Attached>,
     settings: Settings,
     period: Duration,
     torque: Torque,
@@ -94,24 +96,6 @@ impl Arm {
     /// or set up for less than the joint's limits need.
     pub fn connect(bus: Bus, map: JointMap, settings: Settings) -> Result<Self, DriverError> {
         setup::connect(bus, map, settings)
-    }
-
-    /// Starts those servos anew that have a hardware error latched, which is the only way to be rid of it. Their torque
-    /// goes off, and they are away for some tenths of a second.
-    ///
-    /// # Errors
-    /// [`DriverError`]
-    pub fn clear_faults(&mut self) -> Result<(), DriverError> {
-        let latched = self.latched()?;
-        for (servo, bits) in self.servos.clone().iter().zip(latched) {
-            if bits != 0 {
-                self.torque = Torque::Off;
-                let outcome = self.bus.reboot(servo.id);
-                outcome.map_err(|error| self.named(error))?;
-            }
-        }
-        self.fault = None;
-        Ok(())
     }
 
     fn ids(&self) -> Vec<u8> {
@@ -324,6 +308,7 @@ impl Driver for Arm {
             self.torque = Torque::On;
         } else {
             self.switch("torque off", false)?;
+            self.release_attached()?;
             self.torque = Torque::Off;
         }
         Ok(())
@@ -341,6 +326,32 @@ impl Driver for Arm {
             self.torque = Torque::Interrupted;
         }
         outcome
+    }
+
+    /// A servo forgets a hardware error by starting anew: its torque goes off, and it is away for some tenths of a second.
+    fn clear_faults(&mut self) -> Result<(), DriverError> {
+        let latched = self.latched()?;
+        for (servo, bits) in self.servos.clone().iter().zip(latched) {
+            if bits != 0 {
+                self.torque = Torque::Off;
+                let outcome = self.bus.reboot(servo.id).and_then(|_| self.bus.await_servo(servo.id));
+                outcome.map_err(|error| self.named(error))?;
+            }
+        }
+        self.fault = None;
+        Ok(())
+    }
+
+    fn attachments(&self) -> Vec<Attachment> {
+        Arm::attachments(self)
+    }
+
+    fn move_attachment(&mut self, name: &str, value: f64) -> Result<(), DriverError> {
+        self.move_attached(name, value)
+    }
+
+    fn read_attachment(&mut self, name: &str) -> Result<f64, DriverError> {
+        self.read_attached(name)
     }
 
     fn watchdog(&mut self, timeout: Option<Duration>) -> Result<Watchdog, DriverError> {

@@ -3,6 +3,7 @@
 mod echo;
 mod exchange;
 
+use super::control_table::OPERATING_MODE;
 use super::instruction::{self, Spared};
 use super::packet::{BROADCAST, Decoder, MAX_ID, Packet};
 use super::status::Status;
@@ -86,6 +87,8 @@ const STATUS_OVERHEAD: usize = 11;
 const FACTORY_BAUD: u32 = 57_600;
 /// The servos' longest return delay.
 const RETURN_DELAY: Duration = Duration::from_micros(508);
+/// How long a servo may take to start.
+const STARTING: Duration = Duration::from_secs(1);
 /// What the makers' client grants each id to answer a broadcast ping with.
 const PING_SLOT: Duration = Duration::from_millis(3);
 
@@ -209,6 +212,35 @@ impl Bus {
     /// [`DriverError`]
     pub fn reboot(&mut self, id: u8) -> Result<Answer, DriverError> {
         self.one("reboot", instruction::reboot(id), 0, false)
+    }
+
+    /// Sets servos to an operating mode, those that are not in it already: it keeps them without power.
+    ///
+    /// # Errors
+    /// [`DriverError`]; a servo whose torque is on refuses.
+    pub fn set_operating_mode(&mut self, ids: &[u8], mode: i64) -> Result<(), DriverError> {
+        for id in ids {
+            let now = self.read(*id, OPERATING_MODE.address, OPERATING_MODE.size)?;
+            if OPERATING_MODE.value(&now.data) != Some(mode) {
+                self.write(*id, OPERATING_MODE.address, &OPERATING_MODE.bytes(mode))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Waits until a servo that was started anew answers again: a second at most.
+    ///
+    /// # Errors
+    /// [`DriverError`]
+    pub fn await_servo(&mut self, id: u8) -> Result<Identity, DriverError> {
+        let clock = self.port.clock();
+        let deadline = clock.now() + STARTING;
+        loop {
+            match self.ping(id) {
+                Err(error) if matches!(error.cause, Cause::Silent { .. }) && clock.now() < deadline => {}
+                outcome => return outcome,
+            }
+        }
     }
 
     /// Sets a servo to what it was when it left the factory, but for what is spared. It is asked once.

@@ -154,15 +154,12 @@ impl Decoder {
                 self.reject();
                 continue;
             }
-            let [_, _, _, _, id, _, _, instruction, parameters @ ..] = covered else { return None };
-            let (id, instruction) = (*id, *instruction);
+            let [_, _, _, _, id, _, _, stuffed @ ..] = covered else { return None };
             // Answers to fast reads are not stuffed.
-            let parameters = if id == BROADCAST && instruction == STATUS {
-                parameters.to_vec()
-            } else {
-                // The instruction is no FF, so that no pattern starts in it.
-                unstuff(parameters)
-            };
+            let fast = *id == BROADCAST && stuffed.first() == Some(&STATUS);
+            let (id, plain) = (*id, if fast { stuffed.to_vec() } else { unstuff(stuffed) });
+            let [instruction, ref parameters @ ..] = *plain else { return None };
+            let parameters = parameters.to_vec();
             self.buffer.drain(..PREFIX + length);
             return Some(Packet { id, instruction, parameters });
         }
@@ -218,11 +215,14 @@ mod tests {
         const BYTES: [u8; 4] = [0xff, 0xfd, 0x00, 0x55];
         for code in 0..4_usize.pow(8) {
             let parameters: Vec<u8> = (0..8).map(|place| BYTES[(code >> (2 * place)) & 3]).collect();
-            let packet = Packet { id: 1, instruction: 3, parameters };
-            let bytes = packet.encode();
-            let inside = &bytes[4..bytes.len() - 2];
-            assert!(!inside.windows(4).any(|four| four == [0xff, 0xff, 0xfd, 0x00]), "{bytes:02x?}");
-            assert_eq!(decoded(&bytes), [packet]);
+            // A pattern may begin in what stands in an instruction's place.
+            for instruction in [0x03, 0xff] {
+                let packet = Packet { id: 1, instruction, parameters: parameters.clone() };
+                let bytes = packet.encode();
+                let inside = &bytes[4..bytes.len() - 2];
+                assert!(!inside.windows(4).any(|four| four == [0xff, 0xff, 0xfd, 0x00]), "{bytes:02x?}");
+                assert_eq!(decoded(&bytes), [packet]);
+            }
         }
     }
 

@@ -1,12 +1,30 @@
 //! Moves that were checked.
 
 use super::command::Command;
+use crate::driver::Pace;
+use dh_runtime::{Frame, Kinematics};
 
 /// Moves that were checked as a whole, to be run by a [`Robot`](super::Robot). Nothing else makes one but
 /// [`Planner::plan`](super::Planner::plan).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Checked {
     pub(super) legs: Vec<Leg>,
+    /// What it was checked for besides the table: how commands are sent, and with which tool on which base.
+    pub(super) origin: Origin,
+}
+
+/// What the moves of a table were checked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Origin {
+    pace: Pace,
+    /// Where the tool is with all joints at 0, which tells one tool and base from others.
+    tool: Option<Frame>,
+}
+
+impl Origin {
+    pub(super) fn of(arm: &dyn Kinematics, pace: Pace) -> Self {
+        Self { pace, tool: arm.fk(&vec![0.0; arm.dof()]).ok() }
+    }
 }
 
 /// One move, from rest to rest.

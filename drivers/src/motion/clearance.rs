@@ -29,6 +29,11 @@ pub(super) fn check(arm: &Narrowed<'_>, from: &[f64], to: &[f64]) -> Result<(), 
     between(arm, &start, &end, &slack)
 }
 
+/// Whether the tool point is so far (m) from everything forbidden.
+pub(super) fn is_far(arm: &Narrowed<'_>, q: &[f64], way: f64) -> bool {
+    Look::at(arm, q).is_some_and(|look| look.depths.iter().all(|depth| *depth <= -way))
+}
+
 /// Whether the tool point is nowhere deeper in what is forbidden than it may be: at all, or where the way begins.
 pub(super) fn no_deeper(arm: &Narrowed<'_>, from: &[f64], q: &[f64]) -> bool {
     let (Some(start), Some(here)) = (Look::at(arm, from), Look::at(arm, q)) else {

@@ -1,7 +1,10 @@
 //! Joints over time, before they are checked.
 
-use super::profile::Profile;
+use super::dynamics::Dynamics;
+use super::profile::{Profile, ProfileError};
 use super::spline::Spline;
+use super::timing::{self, Timing};
+use crate::driver::Pace;
 
 /// Velocities are looked at so often (s), and at least so many times.
 const LOOK_PERIOD: f64 = 0.02;
@@ -12,14 +15,31 @@ pub(super) enum Course {
     /// All joints at once.
     Joints(Profile),
     /// Along a path: the way over time, and the joints by the way.
-    Path { timing: Profile, joints: Spline },
+    Path { timing: Timing, joints: Spline },
 }
 
 impl Course {
+    /// All joints at once from one place to another. Where a device makes its own profiles its joints leave and arrive
+    /// together, in a straight line; a stream takes no more time than the slowest joint needs.
+    pub(super) fn between(
+        start: &[f64],
+        goal: &[f64],
+        dynamics: &[Dynamics],
+        pace: Pace,
+    ) -> Result<Self, ProfileError> {
+        let profile = Profile::new(start, goal, dynamics)?;
+        let line = Spline::through(vec![0.0, 1.0], vec![start.to_vec(), goal.to_vec()]);
+        Ok(match line.filter(|_| pace == Pace::PointToPoint && start != goal) {
+            Some(joints) => Self::Path { timing: timing::straight(start, goal, dynamics)?, joints },
+            None => Self::Joints(profile),
+        })
+    }
+
     /// How long it takes (s).
     pub(super) fn duration(&self) -> f64 {
         match self {
-            Course::Joints(profile) | Course::Path { timing: profile, .. } => profile.duration(),
+            Course::Joints(profile) => profile.duration(),
+            Course::Path { timing, .. } => timing.duration(),
         }
     }
 
@@ -29,8 +49,6 @@ impl Course {
             Course::Joints(profile) => profile.at(time),
             Course::Path { timing, joints } => {
                 let (way, speed) = timing.at(time);
-                let (way, speed) =
-                    (way.first().copied().unwrap_or(0.0), speed.first().copied().unwrap_or(0.0));
                 let at = joints.at(way);
                 (at.value, at.first.iter().map(|slope| slope * speed).collect())
             }

@@ -1,7 +1,7 @@
 //! Why an arm did not do what it was asked to.
 
 use super::refusal::{JointName, Refusal};
-use crate::driver::{DriverError, Fault};
+use crate::driver::{DriverError, Fault, Watchdog};
 use std::fmt;
 use std::time::Duration;
 
@@ -20,7 +20,8 @@ pub enum MotionError {
         /// Where it should be (rad or m).
         expected: f64,
     },
-    /// The moves were checked for another arm; nothing was sent.
+    /// The moves were checked for another arm, tool or base, or for a device that is told otherwise where to go; nothing was
+    /// sent.
     OtherArm,
     /// The device did not do as it was told.
     Driver(DriverError),
@@ -73,12 +74,14 @@ pub enum MotionError {
         /// Where the pose has it (rad or m).
         expected: f64,
     },
-    /// What went wrong first; and the arm could not be told to stop either. It may still move.
+    /// What went wrong first; and the arm could not be told to stop either.
     NotStopped {
         /// What went wrong.
         first: Box<MotionError>,
-        /// Why it was not stopped.
+        /// Why it was not told to stop.
         stop: Box<DriverError>,
+        /// What it does without a word.
+        watchdog: Watchdog,
     },
 }
 
@@ -105,7 +108,9 @@ impl fmt::Display for MotionError {
                     "{joint} is at {actual:.6} {unit}; the moves were checked from {expected:.6} {unit}"
                 )
             }
-            Self::OtherArm => f.write_str("the moves were checked for another arm"),
+            Self::OtherArm => {
+                f.write_str("the moves were checked for another arm, tool, base or kind of device")
+            }
             Self::Driver(error) => error.fmt(f),
             Self::Fault { joint: Some(joint), fault } => write!(f, "{joint}: {fault}"),
             Self::Fault { joint: None, fault } => fault.fmt(f),
@@ -140,7 +145,9 @@ impl fmt::Display for MotionError {
             Self::NotSafe { nearest: None, .. } => {
                 f.write_str("torque stays on: the table marks no pose as safe")
             }
-            Self::NotStopped { first, stop } => write!(f, "{first}; and the arm may still move: {stop}"),
+            Self::NotStopped { first, stop, watchdog } => {
+                write!(f, "{first}; and it could not be told to stop ({stop}): {watchdog}")
+            }
         }
     }
 }

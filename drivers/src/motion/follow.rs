@@ -41,7 +41,10 @@ pub(super) fn onto(
     path: &Path,
     start: &[f64],
 ) -> Result<Vec<f64>, Reason> {
-    let first = nearest(arm, problem, &path.at(0.0), start)?;
+    let first = nearest(arm, problem, &path.at(0.0), start).map_err(|reason| match reason {
+        Reason::NoSolution(error) => Reason::NoStart(error),
+        other => other,
+    })?;
     let (index, step) = furthest(arm, start, &first);
     if step <= ON_PATH {
         return Ok(start.to_vec());
@@ -221,7 +224,7 @@ pub(super) fn joint_name(arm: &Narrowed<'_>, index: usize) -> JointName {
     let joint = arm.joints().get(index);
     JointName {
         index,
-        name: joint.map_or("", |joint| joint.name).to_owned(),
+        name: joint.map_or("", |joint| joint.name).into(),
         kind: joint.map_or(JointKind::Revolute, |joint| joint.kind),
     }
 }

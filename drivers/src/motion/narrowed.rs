@@ -2,7 +2,7 @@
 
 use crate::driver::DeviceJoint;
 use dh_runtime::{
-    Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rules, SolutionSet, Target,
+    Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rules, Seed, SolutionSet, Target,
 };
 
 /// The same arm with other limits of its joints: those of the table and what its device leaves of them. Inverse
@@ -57,20 +57,18 @@ impl Kinematics for Narrowed<'_> {
     fn jacobian_into(&self, q: &[f64], out: &mut [[f64; 6]]) -> Result<(), LengthError> {
         self.arm.jacobian_into(q, out)
     }
-    fn ik_into(&self, problem: &str, target: &Target, out: &mut SolutionSet) -> Result<(), IkError> {
-        self.arm.ik_into(problem, target, out)
-    }
-    fn ik_at_into(
+    fn ik_seeded_into(
         &self,
         problem: &str,
         target: &Target,
         free: &[f64],
+        seed: Option<Seed<'_>>,
         out: &mut SolutionSet,
     ) -> Result<(), IkError> {
-        self.arm.ik_at_into(problem, target, free, out)
+        self.arm.ik_seeded_into(problem, target, free, seed, out)
     }
     fn redundancy(&self, problem: &str) -> Option<Redundancy<'_>> {
-        self.arm.redundancy(problem)
+        self.arm.redundancy(problem).map(|redundancy| Redundancy { rules: self.rules(), ..redundancy })
     }
     fn rules_point(&self, q: &[f64]) -> Result<[f64; 3], LengthError> {
         self.arm.rules_point(q)

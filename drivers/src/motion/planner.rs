@@ -1,6 +1,6 @@
 //! The checker: from what is asked for to commands that may be sent.
 
-use super::checked::{Checked, Leg};
+use super::checked::{Checked, Leg, Origin};
 use super::clearance;
 use super::command::Command;
 use super::course::Course;
@@ -10,8 +10,7 @@ use super::moves::{Goal, Move};
 use super::narrowed::Narrowed;
 use super::out_of_step;
 use super::path::{self, NoPath, Path};
-use super::profile::Profile;
-use super::refusal::{JointName, Reason, Refusal, Sample};
+use super::refusal::{JointName, Reason, Reasons, Refusal, Sample};
 use super::settings::Tolerance;
 use super::timing;
 use crate::driver::{JointMap, Pace};
@@ -121,7 +120,12 @@ impl<'k> Planner<'k> {
             let from = legs.last().map_or(start, Leg::goal).to_vec();
             legs.push(self.leg(&from, asked, step)?);
         }
-        Ok(Checked { legs })
+        Ok(Checked { legs, origin: self.origin() })
+    }
+
+    /// What moves are checked for.
+    pub(super) fn origin(&self) -> Origin {
+        Origin::of(&self.arm, self.pace)
     }
 
     fn leg(&self, start: &[f64], asked: &Move, step: usize) -> Result<Leg, Refusal> {
@@ -160,10 +164,10 @@ impl<'k> Planner<'k> {
         let to = |goal: &[f64]| {
             let end = Sample { index: 1, count: 2, part: 1.0 };
             self.allowed(goal).map_err(|reason| reason.at(step, end))?;
-            let profile = Profile::new(start, goal, &dynamics);
-            let profile = profile.map_err(|error| Reason::Profile(error).of_step(step))?;
-            let duration = profile.duration();
-            Ok(vec![(Course::Joints(profile), vec![duration])])
+            let course = Course::between(start, goal, &dynamics, self.pace);
+            let course = course.map_err(|error| Reason::Profile(error).of_step(step))?;
+            let duration = course.duration();
+            Ok(vec![(course, vec![duration])])
         };
         match &asked.goal {
             Goal::Joints(q) => to(q),
@@ -224,10 +228,10 @@ impl<'k> Planner<'k> {
             let time = index as f64 * period;
             let (positions, velocities) = course.at(time);
             let sample = Sample { index, count: count + 1, part: index as f64 / count as f64 };
-            let refused = |reason: Reason| reason.at(step, sample);
+            let refused = |reasons: Reasons| reasons.at(step, sample);
             let positions = self.on_the_way(positions, start).map_err(refused)?;
             self.not_too_fast(&before, &positions, period).map_err(refused)?;
-            clearance::check(&self.arm, &before, &positions).map_err(Reason::Forbidden).map_err(refused)?;
+            self.clear(&before, &positions).map_err(refused)?;
             before.clone_from(&positions);
             leg.commands.push(Command::new(self.arm.fingerprint(), positions, velocities));
             leg.times.push(time);
@@ -254,9 +258,9 @@ impl<'k> Planner<'k> {
                 let part = piece as f64 / pieces as f64;
                 let next =
                     before.iter().zip(&positions).map(|(from, to)| from + part * (to - from)).collect();
-                let refused = |reason: Reason| reason.at(step, sample(part));
+                let refused = |reasons: Reasons| reasons.at(step, sample(part));
                 let next = self.on_the_way(next, start).map_err(refused)?;
-                clearance::check(&self.arm, &here, &next).map_err(Reason::Forbidden).map_err(refused)?;
+                self.clear(&here, &next).map_err(refused)?;
                 here = next;
             }
             let velocities = course.fastest(then, *time, before.iter().zip(&positions));
@@ -306,7 +310,7 @@ impl<'k> Planner<'k> {
         };
         let count = (duration / CHECK_PERIOD).ceil().max(1.0) as usize;
         let time = |place: usize| if place >= count { duration } else { place as f64 * CHECK_PERIOD };
-        let way = |time: f64| timing.at(time).0.first().copied().unwrap_or(0.0);
+        let way = |time: f64| timing.at(time).0;
         let near = |from: usize, to: usize| {
             let (start, end) = (course.at(time(from)).0, course.at(time(to)).0);
             out_of_step::stays_near(&self.arm, &start, &end, OUT_OF_STEP)
@@ -350,10 +354,10 @@ impl<'k> Planner<'k> {
 
     /// Whether a move may begin there. One of all joints at once may lead out of what is forbidden; a path is solved, and
     /// solutions keep all limits and rules.
-    fn may_begin(&self, start: &[f64], asked: &Move) -> Result<(), Reason> {
+    fn may_begin(&self, start: &[f64], asked: &Move) -> Result<(), Reasons> {
         match (self.allowed(start), &asked.goal) {
             (
-                Err(Reason::OutsideLimits { .. } | Reason::Forbidden(_)),
+                Err(Reasons { first: Reason::OutsideLimits { .. } | Reason::Forbidden(_), .. }),
                 Goal::Joints(_) | Goal::Nearest { .. },
             ) => Ok(()),
             (outcome, _) => outcome,
@@ -361,19 +365,16 @@ impl<'k> Planner<'k> {
     }
 
     /// Whether the arm may stand there.
-    fn allowed(&self, q: &[f64]) -> Result<(), Reason> {
-        match self.arm.check(q) {
-            Ok(()) => Ok(()),
-            Err(violations) => Err(violations
-                .iter()
-                .next()
-                .map_or_else(|| Reason::Setting { what: "a joint value", value: f64::NAN }, Reason::from)),
-        }
+    fn allowed(&self, q: &[f64]) -> Result<(), Reasons> {
+        self.arm.check(q).map_err(|violations| {
+            let nameless = || Reason::Setting { what: "a joint value", value: f64::NAN }.into();
+            Reasons::of_violations(&violations).unwrap_or_else(nameless)
+        })
     }
 
     /// Joint values of a sample on the way: limits and sums, with joints that rounding has brought beyond their limits
     /// on them. Limits and sums that are broken where the move starts may be so on the way, but by no more than there.
-    fn on_the_way(&self, q: Vec<f64>, start: &[f64]) -> Result<Vec<f64>, Reason> {
+    fn on_the_way(&self, q: Vec<f64>, start: &[f64]) -> Result<Vec<f64>, Reasons> {
         let mut q = q;
         for (value, joint) in q.iter_mut().zip(self.arm.joints()) {
             if let Some(limits) = joint.limits {
@@ -402,18 +403,22 @@ impl<'k> Planner<'k> {
             .map(|sum| SumLimit { range: widened(sum.range, sum.value(start)), ..*sum })
             .collect();
         let rules = Rules { joints: &joints, sums: &sums, bounds: &[], keep_out: &[], ..all };
-        let violation: Option<Reason> = rules.violations(&q, [0.0; 3]).iter().next().map(Reason::from);
-        violation.map_or(Ok(q), Err)
+        Reasons::of_violations(&rules.violations(&q, [0.0; 3])).map_or(Ok(q), Err)
+    }
+
+    /// Whether the tool point keeps the rules from one sample to the next.
+    fn clear(&self, from: &[f64], to: &[f64]) -> Result<(), Reasons> {
+        clearance::check(&self.arm, from, to).map_err(|rule| Reason::Forbidden(rule).into())
     }
 
     /// Whether all joints can get from one sample to the next in this time (s).
-    fn not_too_fast(&self, from: &[f64], to: &[f64], seconds: f64) -> Result<(), Reason> {
+    fn not_too_fast(&self, from: &[f64], to: &[f64], seconds: f64) -> Result<(), Reasons> {
         for (index, ((from, to), limits)) in from.iter().zip(to).zip(&self.dynamics).enumerate() {
             let needed = (to - from).abs() / seconds;
             let allowed = limits.velocity;
             if needed > allowed * (1.0 + VELOCITY_ROUNDING) {
                 let joint = joint_name(&self.arm, index);
-                return Err(Reason::TooFast { joint, needed, allowed, speed: f64::NAN, possible: f64::NAN });
+                return Err(Reason::Rushed { joint, needed, allowed }.into());
             }
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! Why a motion is refused.
 
 use super::profile::ProfileError;
-use dh_runtime::{IkError, JointKind, LengthError, Rule, TargetKind, Violation};
+use dh_runtime::{IkError, JointKind, LengthError, Rule, TargetKind, Violation, Violations};
 use std::fmt;
 
 /// A motion that is refused, before anything of it was sent.
@@ -13,6 +13,34 @@ pub struct Refusal {
     pub sample: Option<Sample>,
     /// What is wrong there.
     pub reason: Reason,
+    /// What else is wrong at that place: of joint values, everything that they break.
+    pub also: Box<[Reason]>,
+}
+
+/// What is wrong at one place, the first of it apart.
+#[derive(Debug)]
+pub(super) struct Reasons {
+    pub(super) first: Reason,
+    also: Box<[Reason]>,
+}
+
+impl Reasons {
+    /// Everything that joint values break.
+    pub(super) fn of_violations(violations: &Violations<'_>) -> Option<Self> {
+        let mut reasons = violations.iter().map(Reason::from);
+        Some(Self { first: reasons.next()?, also: reasons.collect() })
+    }
+
+    /// At a place on the way of a move.
+    pub(super) fn at(self, step: usize, sample: Sample) -> Refusal {
+        Refusal { also: self.also, ..self.first.at(step, sample) }
+    }
+}
+
+impl From<Reason> for Reasons {
+    fn from(first: Reason) -> Self {
+        Self { first, also: Box::default() }
+    }
 }
 
 /// A place on the way.
@@ -32,7 +60,7 @@ pub struct JointName {
     /// Index in q.
     pub index: usize,
     /// Its name in the table.
-    pub name: String,
+    pub name: Box<str>,
     /// Whether its numbers are radians or metres.
     pub kind: JointKind,
 }
@@ -85,6 +113,8 @@ pub enum Reason {
         /// Where the solution has it (rad or m).
         solution: f64,
     },
+    /// The arm doesn't stand on a path of the problem: for where its hand is, the problem has no solution.
+    NoStart(IkError),
     /// The solutions end here and go on elsewhere: another branch.
     Jump {
         /// The joint that would jump furthest.
@@ -115,6 +145,15 @@ pub enum Reason {
         /// The greatest that is possible (m/s).
         possible: f64,
     },
+    /// A joint would have to be faster than it may from one setpoint to the next.
+    Rushed {
+        /// Which.
+        joint: JointName,
+        /// How fast it would have to be (per s).
+        needed: f64,
+        /// How fast it may be (per s).
+        allowed: f64,
+    },
     /// The move takes longer than it may.
     TooLong {
         /// How long it takes at least (s).
@@ -138,10 +177,10 @@ impl From<Violation<'_>> for Reason {
         match violation {
             Violation::Length(error) => Self::Length(error),
             Violation::NotFinite { joint, name, .. } => {
-                Self::NotFinite(JointName { index: joint, name: name.to_owned(), kind: JointKind::Revolute })
+                Self::NotFinite(JointName { index: joint, name: name.into(), kind: JointKind::Revolute })
             }
             Violation::OutsideLimits { joint, name, kind, value, min, max } => {
-                let joint = JointName { index: joint, name: name.to_owned(), kind };
+                let joint = JointName { index: joint, name: name.into(), kind };
                 Self::OutsideLimits { joint, value, min, max }
             }
             Violation::Forbidden(rule) => Self::Forbidden(rule),
@@ -154,12 +193,12 @@ impl From<Violation<'_>> for Reason {
 impl Reason {
     /// Of a move, at no place on its way.
     pub(super) fn of_step(self, step: usize) -> Refusal {
-        Refusal { step, sample: None, reason: self }
+        Refusal { step, sample: None, reason: self, also: Box::default() }
     }
 
     /// At a place on the way of a move.
     pub(super) fn at(self, step: usize, sample: Sample) -> Refusal {
-        Refusal { step, sample: Some(sample), reason: self }
+        Refusal { step, sample: Some(sample), reason: self, also: Box::default() }
     }
 }
 
@@ -201,6 +240,9 @@ impl fmt::Display for Reason {
                      there has it at {solution:.6} {unit}"
                 )
             }
+            Self::NoStart(error) => {
+                write!(f, "the arm does not stand on a path of this problem: for where its hand is, {error}")
+            }
             Self::Jump { joint, from, to } => {
                 let unit = joint.kind.unit();
                 write!(f, "the solutions jump: {joint} from {from:.6} {unit} to {to:.6} {unit}")
@@ -216,10 +258,19 @@ impl fmt::Display for Reason {
                      m/s along the path; {possible:.6} m/s is possible"
                 )
             }
+            Self::Rushed { joint, needed, allowed } => {
+                let unit = joint.kind.unit();
+                write!(
+                    f,
+                    "{joint} would have to move at {needed:.6} {unit}/s, more than {allowed:.6} {unit}/s"
+                )
+            }
             Self::TooLong { needed, allowed } => {
                 write!(f, "the move takes {needed:.3} s, longer than {allowed:.3} s")
             }
-            Self::Setting { what, value } => write!(f, "{what} of {value} makes no sense"),
+            Self::Setting { what, value } => {
+                write!(f, "{what} of {value} makes no sense: it is a number above 0, and a part at most 1")
+            }
             Self::Profile(error) => error.fmt(f),
         }
     }
@@ -229,7 +280,8 @@ impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "refused, move {}", self.step + 1)?;
         self.sample.iter().try_for_each(|sample| write!(f, ", {sample}"))?;
-        write!(f, ": {}", self.reason)
+        write!(f, ": {}", self.reason)?;
+        self.also.iter().try_for_each(|reason| write!(f, "; {reason}"))
     }
 }
 

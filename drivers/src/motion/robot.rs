@@ -10,7 +10,7 @@ use super::moves::Move;
 use super::planner::{OtherArm, Planner};
 use super::refusal::{JointName, Refusal};
 use super::settings::{Settings, Tolerance};
-use crate::driver::{Driver, DriverError, State};
+use crate::driver::{Driver, DriverError, State, Watchdog};
 use dh_runtime::{Kinematics, NamedPose};
 use std::fmt;
 use std::sync::Arc;
@@ -76,6 +76,8 @@ pub struct Robot<'k, D: Driver> {
     torque: bool,
     /// The arm was sent off and not seen at rest since.
     under_way: bool,
+    /// What happens to it without a word, then.
+    watchdog: Watchdog,
     /// Why it was not seen the last time, if it was not.
     unseen: Option<DriverError>,
     stop: StopHandle,
@@ -127,6 +129,7 @@ impl<'k, D: Driver> Robot<'k, D> {
             held: None,
             torque: false,
             under_way: false,
+            watchdog: Watchdog::None,
             unseen: None,
             stop: StopHandle::default(),
         })
@@ -270,6 +273,18 @@ impl<'k, D: Driver> Robot<'k, D> {
         self.driver.torque(false)?;
         (self.torque, self.held) = (false, None);
         Ok(())
+    }
+
+    /// Makes the device forget the faults that it has latched. Joints that they were latched of may lose their torque by it:
+    /// the arm may sink there until the next move or [`Robot::hold`] switches it on.
+    ///
+    /// # Errors
+    /// What the device says; [`MotionError::Fault`] where a fault is latched again at once.
+    pub fn clear_faults(&mut self) -> Result<(), MotionError> {
+        self.driver.clear_faults()?;
+        (self.torque, self.held) = (false, None);
+        self.read()?;
+        self.no_fault()
     }
 
     /// Brings the arm to rest as fast as it decelerates, off its path, and waits for the rest. It holds then.

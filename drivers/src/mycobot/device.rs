@@ -16,8 +16,10 @@ use super::refusal::{ANGLES, Refusal};
 use super::reply::{ArmError, Reply};
 use super::request::Request;
 use super::{Model, six};
-use crate::clock::Clock;
-use crate::driver::{Cause, Driver, DriverError, Fault, JointMap, MapError, Pace, State, Watchdog};
+use crate::clock::{Clock, Time};
+use crate::driver::{
+    Attachment, AttachmentUnit, Cause, Driver, DriverError, Fault, JointMap, MapError, Pace, State, Watchdog,
+};
 use crate::motion::Command;
 use crate::port::Port;
 
@@ -29,6 +31,14 @@ const STARTING: Duration = Duration::from_secs(10);
 const STOPPING: Duration = Duration::from_secs(2);
 /// How long to wait between two looks at servos that start.
 const STARTING_LOOK: Duration = Duration::from_millis(200);
+/// Opening the port of an M5 may start it anew. Its maker's client waits a second and a half for it; here it is asked
+/// until it answers, for so long at most.
+const OPENING: Duration = Duration::from_secs(4);
+/// How often temperatures are asked for, of an arm at rest: they are not what a move should wait for.
+const TEMPERATURES: Duration = Duration::from_secs(2);
+/// What its gripper is called, and its speed in percent where none is given.
+const GRIPPER: &str = "gripper";
+const GRIPPER_SPEED: u8 = 50;
 /// What a joint does at a speed of 100 %, where the table does not say (rad/s): the maker's 160 degrees a second.
 const FULL_SPEED: f64 = 160.0 * std::f64::consts::PI / 180.0;
 
@@ -56,6 +66,19 @@ pub struct MyCobot {
     /// It was away: torque must be switched on anew.
     interrupted: bool,
     torque: Option<bool>,
+    /// It has answered since the port was opened.
+    met: bool,
+    temperatures: Temperatures,
+}
+
+/// Temperatures of the servos (°C).
+#[derive(Debug, Clone, Copy)]
+enum Temperatures {
+    Unasked,
+    /// When they were asked for, and what they were.
+    Told(Time, [u8; 6]),
+    /// This firmware does not tell them.
+    Untold,
 }
 
 impl MyCobot {
@@ -88,6 +111,8 @@ impl MyCobot {
             moving: false,
             interrupted: false,
             torque: None,
+            met: false,
+            temperatures: Temperatures::Unasked,
         })
     }
 
@@ -110,6 +135,7 @@ impl MyCobot {
         if self.link.is_gone() {
             self.come_back()?;
         }
+        self.meet();
         self.link.begin(time);
         let result = act(self);
         if result.is_err() && self.moving && !self.link.is_gone() {
@@ -119,12 +145,31 @@ impl MyCobot {
         result
     }
 
+    /// Waits for an M5 that starts. Where it does not answer at all, whatever is asked next says so.
+    fn meet(&mut self) {
+        if self.met || self.model != Model::M5 {
+            return;
+        }
+        self.link.begin(OPENING);
+        let clock = self.link.clock();
+        let deadline = clock.now() + OPENING;
+        while !self.link.is_gone() && clock.now() < deadline {
+            if self.link.ask(&Request::plain(C::IsPowerOn), Reply::flag).is_ok() {
+                self.met = true;
+                return;
+            }
+        }
+    }
+
     /// Opens the port anew. The arm may have gone on meanwhile: it is stopped, and moves when torque is switched on.
     fn come_back(&mut self) -> Result<(), DriverError> {
         self.link.reopen("open")?;
-        self.interrupted = true;
+        (self.interrupted, self.met) = (true, false);
         self.readings.forget();
-        self.halt()
+        self.halt().or_else(|_| {
+            self.meet();
+            self.halt()
+        })
     }
 
     fn halt(&mut self) -> Result<(), DriverError> {
@@ -193,6 +238,38 @@ impl MyCobot {
             return Err(error(Cause::OutsideRange { value: percent, min: 1.0, max: 100.0 }));
         }
         self.checked(C::SendAngles, Request::send_angles(&angles, percent.min(100.0) as u8))
+    }
+
+    /// An arm without power knows no angles; that it is silent about them says less than why. One that moves has power,
+    /// and has to be stopped first.
+    fn without_power(&mut self, error: DriverError) -> DriverError {
+        let silent = matches!(error.cause, Cause::Silent { .. }) && error.command == C::GetAngles.name();
+        if silent && !self.moving && self.confirm(C::IsPowerOn).is_ok_and(|power| !power) {
+            return DriverError { cause: Cause::PowerOff, ..error };
+        }
+        error
+    }
+
+    fn read_temperatures(&mut self, state: &mut State) {
+        let due = match self.temperatures {
+            Temperatures::Unasked => true,
+            Temperatures::Told(then, _) => state.stamp.since(then) >= TEMPERATURES,
+            Temperatures::Untold => false,
+        };
+        if due {
+            let told = self.link.ask(&Request::plain(C::GetServoTemps), Reply::bytes::<6>);
+            self.temperatures = match (told, self.temperatures) {
+                (Ok(degrees), _) => Temperatures::Told(state.stamp, degrees),
+                // What it told once it can tell: the line was bad.
+                (Err(_), told @ Temperatures::Told(..)) => told,
+                (Err(_), _) => Temperatures::Untold,
+            };
+        }
+        if let Temperatures::Told(_, degrees) = self.temperatures {
+            for (joint, degrees) in state.joints.iter_mut().zip(degrees) {
+                joint.temperature = Some(f64::from(degrees));
+            }
+        }
     }
 
     /// The latched fault, if there is one.
@@ -268,8 +345,13 @@ impl Driver for MyCobot {
     fn read_state(&mut self) -> Result<State, DriverError> {
         self.call(|arm| {
             let holding = arm.torque != Some(false);
-            let mut state = arm.readings.state(&mut arm.link, &arm.joints, holding)?;
-            arm.moving &= state.joints.iter().any(|joint| joint.moving == Some(true));
+            let state = arm.readings.state(&mut arm.link, &arm.joints, holding);
+            let mut state = state.map_err(|error| arm.without_power(error))?;
+            let moving = state.joints.iter().any(|joint| joint.moving == Some(true));
+            arm.moving &= moving;
+            if !moving {
+                arm.read_temperatures(&mut state);
+            }
             if let Some(fault) = arm.fault()? {
                 let latched = Some(Fault { code: fault.code(), meaning: fault.meaning() });
                 match fault.joint().and_then(|index| state.joints.get_mut(index)) {
@@ -312,6 +394,35 @@ impl Driver for MyCobot {
 
     fn stop(&mut self) -> Result<(), DriverError> {
         if self.link.is_gone() { self.come_back() } else { self.halt() }
+    }
+
+    fn clear_faults(&mut self) -> Result<(), DriverError> {
+        self.call(|arm| arm.link.acknowledge(&Request::plain(C::ClearErrorInformation)))
+    }
+
+    fn attachments(&self) -> Vec<Attachment> {
+        let range = Limits { min: 0.0, max: 100.0 };
+        vec![Attachment { name: GRIPPER.to_owned(), unit: AttachmentUnit::Percent, range }]
+    }
+
+    fn move_attachment(&mut self, name: &str, value: f64) -> Result<(), DriverError> {
+        let error =
+            |cause| DriverError::new(self.link.name(), C::SetGripperValue.name(), cause).of_joint(name);
+        if name != GRIPPER {
+            return Err(error(Cause::Unsupported));
+        }
+        if !(0.0..=100.0).contains(&value) {
+            return Err(error(Cause::OutsideRange { value, min: 0.0, max: 100.0 }));
+        }
+        self.set_gripper_opening(value.round() as u8, GRIPPER_SPEED)
+    }
+
+    fn read_attachment(&mut self, name: &str) -> Result<f64, DriverError> {
+        if name != GRIPPER {
+            let error = DriverError::new(self.link.name(), C::GetGripperValue.name(), Cause::Unsupported);
+            return Err(error.of_joint(name));
+        }
+        self.gripper_opening().map(f64::from)
     }
 
     fn watchdog(&mut self, _timeout: Option<Duration>) -> Result<Watchdog, DriverError> {

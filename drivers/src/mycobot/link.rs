@@ -120,16 +120,15 @@ impl Link {
         let start = self.clock.now();
         let mut garbled = false;
         for attempt in 0..tries {
-            if attempt > 0 {
-                if self.clock.now() >= self.deadline {
-                    break;
-                }
-                self.counts.repeated += 1;
+            if self.clock.now() >= self.deadline {
+                break;
             }
+            self.counts.repeated += u64::from(attempt > 0);
             self.await_quiet()
                 .and_then(|()| self.write(request))
                 .map_err(|error| self.failed(request, error))?;
-            match self.await_reply(request.command(), REPLY).map_err(|error| self.failed(request, error))? {
+            let left = self.deadline.since(self.clock.now()).min(REPLY);
+            match self.await_reply(request.command(), left).map_err(|error| self.failed(request, error))? {
                 Ok(reply) => match read(&reply) {
                     Ok(value) => {
                         // The replies to the earlier ones may still come.
@@ -263,7 +262,8 @@ impl Link {
                 Ok(count) => {
                     something_came = true;
                     self.reader.push(buffer.get(..count).unwrap_or_default());
-                    false
+                    // A line that never falls silent does not make it wait any longer.
+                    self.clock.now() > deadline
                 }
                 Err(error) if error.kind == PortErrorKind::TimedOut => true,
                 Err(error) => return Err(error),

@@ -3,6 +3,7 @@
 use super::{Port, PortError, PortErrorKind};
 use crate::clock::{Clock, Time};
 use std::collections::VecDeque;
+use std::io::Read;
 use std::sync::Arc;
 
 /// A request and what was answered.
@@ -60,11 +61,7 @@ impl Port for Recorded {
             self.clock.sleep_until(deadline);
             return Err(PortError::new(NAME, PortErrorKind::TimedOut));
         }
-        let count = buffer.len().min(self.input.len());
-        for (to, from) in buffer.iter_mut().zip(self.input.drain(..count)) {
-            *to = from;
-        }
-        Ok(count)
+        self.input.read(buffer).map_err(|error| PortError::from_io(NAME, &error))
     }
 
     fn discard_input(&mut self) -> Result<(), PortError> {

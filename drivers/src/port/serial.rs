@@ -67,7 +67,8 @@ fn from_serial(path: &str, error: &serialport::Error) -> PortError {
         // What is meant is a device that someone else holds; some systems say the same of one that is not there.
         ErrorKind::NoDevice if std::fs::exists(path).unwrap_or(false) => PortErrorKind::Busy,
         ErrorKind::NoDevice | ErrorKind::Io(io::ErrorKind::NotFound) => PortErrorKind::Gone,
-        _ => PortErrorKind::Io(error.description.clone()),
+        ErrorKind::Io(io::ErrorKind::PermissionDenied) => PortErrorKind::Denied,
+        _ => PortErrorKind::Io(format!("it can't be used as a serial port: {}", error.description)),
     };
     PortError::new(path, kind)
 }

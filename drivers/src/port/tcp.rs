@@ -16,6 +16,9 @@ pub struct Tcp {
     stream: Option<TcpStream>,
 }
 
+/// How many buffers of 4 KiB are thrown away at once, at most.
+const DISCARDED: usize = 64;
+
 /// How long connecting may take.
 const CONNECTING: Duration = Duration::from_secs(3);
 
@@ -26,7 +29,12 @@ impl Tcp {
     /// [`PortErrorKind::Gone`] where nobody answers, or what the operating system says.
     pub fn connect(address: &str, clock: Arc<dyn Clock>) -> Result<Self, PortError> {
         let name = format!("tcp:{address}");
-        let stream = connect(address).map_err(|error| PortError::from_io(&name, &error))?;
+        let stream = connect(address).map_err(|error| match error.kind() {
+            io::ErrorKind::InvalidInput => {
+                PortError::new(name.as_str(), PortErrorKind::Io("write tcp:HOST:PORT".to_owned()))
+            }
+            _ => PortError::from_io(&name, &error),
+        })?;
         Ok(Self { address: address.to_owned(), name, clock, stream: Some(stream) })
     }
 
@@ -70,6 +78,26 @@ fn connect(address: &str) -> io::Result<TcpStream> {
     Err(failure)
 }
 
+/// Takes what has arrived. A time-out, however short, would be waited for a tick of the operating system's clock.
+fn drain(stream: &mut TcpStream) -> io::Result<()> {
+    stream.set_nonblocking(true)?;
+    let mut buffer = [0; 4096];
+    let mut outcome = Ok(());
+    // Somebody who sends without end is not waited for.
+    for _ in 0..DISCARDED {
+        match stream.read(&mut buffer) {
+            Ok(0) => outcome = Err(io::ErrorKind::UnexpectedEof.into()),
+            Ok(_) => continue,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+            Err(error) => outcome = Err(error),
+        }
+        break;
+    }
+    stream.set_nonblocking(false)?;
+    outcome
+}
+
 impl Port for Tcp {
     fn name(&self) -> &str {
         &self.name
@@ -99,14 +127,9 @@ impl Port for Tcp {
     }
 
     fn discard_input(&mut self) -> Result<(), PortError> {
-        let mut buffer = [0; 512];
-        loop {
-            match self.read(&mut buffer, Time::START) {
-                Ok(_) => {}
-                Err(error) if error.kind == PortErrorKind::TimedOut => return Ok(()),
-                Err(error) => return Err(error),
-            }
-        }
+        let Self { name, stream, .. } = self;
+        let stream = stream.as_mut().ok_or_else(|| PortError::new(name.as_str(), PortErrorKind::Gone))?;
+        drain(stream).map_err(|error| PortError::from_io(name, &error))
     }
 
     fn set_baud(&mut self, _baud: u32) -> Result<(), PortError> {

@@ -4,6 +4,7 @@ use super::SimulatedDevice;
 use crate::clock::{Clock, Time};
 use crate::port::{Port, PortError, PortErrorKind};
 use std::collections::VecDeque;
+use std::io::Read;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A port with a simulated device behind it.
@@ -76,11 +77,7 @@ impl<D: SimulatedDevice> Port for SimulatedPort<D> {
             self.clock.sleep_until(next.unwrap_or(deadline).min(deadline));
             next = self.collect()?;
         }
-        let count = buffer.len().min(self.input.len());
-        for (to, from) in buffer.iter_mut().zip(self.input.drain(..count)) {
-            *to = from;
-        }
-        Ok(count)
+        self.input.read(buffer).map_err(|error| PortError::from_io(NAME, &error))
     }
 
     fn discard_input(&mut self) -> Result<(), PortError> {

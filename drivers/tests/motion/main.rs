@@ -5,6 +5,7 @@
 mod checked;
 mod devices;
 mod memory;
+mod mounted;
 mod pose;
 mod profile;
 mod robot;

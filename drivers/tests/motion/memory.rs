@@ -202,6 +202,11 @@ impl Driver for Memory {
         Ok(())
     }
 
+    fn clear_faults(&mut self) -> Result<(), DriverError> {
+        self.exchange("clear faults")?.fault = None;
+        Ok(())
+    }
+
     fn watchdog(&mut self, timeout: Option<Duration>) -> Result<Watchdog, DriverError> {
         self.exchange("watchdog")?.watchdog = timeout;
         Ok(timeout.map_or(Watchdog::None, Watchdog::Device))

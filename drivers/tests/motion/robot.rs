@@ -2,10 +2,11 @@
 
 use super::memory::{Memory, STREAM};
 use super::{Crane, MyCobot, Planar};
+use dh_drivers::Driver;
 use dh_drivers::clock::{Clock, Time};
 use dh_drivers::driver::{Fault, Pace};
-use dh_drivers::motion::{MotionError, Move, Reason, Robot};
-use dh_runtime::{Kinematics, Target};
+use dh_drivers::motion::{MotionError, Move, Planner, Reason, Robot};
+use dh_runtime::{Frame, Kinematics, Mounted, Target};
 use std::time::Duration;
 
 const TWO_TICKS: f64 = 2.0 * std::f64::consts::TAU / 4096.0;
@@ -127,8 +128,15 @@ fn a_refusal_says_which_move_sample_joint_and_rule() {
     let refusal = robot.plan(&[Move::joints(&[0.1; 6]), Move::joints(&[1.6; 6])]).unwrap_err();
     assert_eq!(refusal.step, 1);
     let Reason::OutsideLimits { joint, value, max, .. } = &refusal.reason else { panic!("{refusal}") };
-    assert_eq!((joint.index, joint.name.as_str(), *value), (0, "J1", 1.6));
+    assert_eq!((joint.index, &*joint.name, *value), (0, "J1", 1.6));
     assert!((max - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    // Everything that is wrong there is said.
+    assert_eq!(refusal.also.len(), 1, "{refusal}");
+    let Reason::OutsideLimits { joint, .. } = &refusal.also[0] else { panic!("{refusal}") };
+    assert!(
+        &*joint.name == "J6" && refusal.to_string().contains("; joint 6 (J6) would be at 1.6"),
+        "{refusal}"
+    );
     // Both ends are above the floor, what is between them is not.
     let down = [0.3, -1.6, 0.5, 0.4, 0.0, 0.3];
     let up = [-0.3, -1.6, -1.9, -1.1, 0.0, 0.3];
@@ -153,6 +161,27 @@ fn an_arm_that_was_moved_by_hand_is_planned_for_anew() {
     robot.go(&[Move::joints(&[0.5, 0.5])]).unwrap();
     assert_near(&arm.lock().unwrap().positions(), &[0.5, 0.5], 1e-9);
     assert!(arm.lock().unwrap().sent[0].1[0] < -0.39);
+}
+
+#[test]
+fn what_was_checked_for_another_arm_is_not_made() {
+    let driver = Memory::new(&Planar, STREAM, &[0.0; 2]);
+    let arm = driver.arm.clone();
+    let joints = driver.joints().clone();
+    let mut robot = Robot::new(&Planar, driver).unwrap();
+    let moves = [Move::joints(&[0.5, 0.5])];
+    let start = [0.0; 2];
+    let longer = Mounted::new(&Planar).with_tool(Frame::from_rpy([0.05, 0.0, 0.0], [0.0; 3]));
+    let elsewhere = Mounted::new(&Planar).with_base(Frame::from_rpy([0.0, 0.0, 0.1], [0.0; 3]));
+    let others: [(&dyn Kinematics, Pace); 3] =
+        [(&longer, STREAM), (&elsewhere, STREAM), (&Planar, Pace::PointToPoint)];
+    for (other, pace) in others {
+        let checked = Planner::new(other, &joints, pace).unwrap().plan(&start, &moves).unwrap();
+        assert_eq!(robot.run(&checked, &mut |_| {}), Err(MotionError::OtherArm));
+    }
+    assert!(arm.lock().unwrap().sent.is_empty());
+    let own = Planner::new(&Planar, &joints, STREAM).unwrap().plan(&start, &moves).unwrap();
+    robot.run(&own, &mut |_| {}).unwrap();
 }
 
 /// Half a second into a long move something happens; the arm stands still afterwards, and well short of the goal.

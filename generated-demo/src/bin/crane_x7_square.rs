@@ -7,8 +7,9 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use device::{DeviceFlags, Failure};
-use dh_drivers::connect::connect;
-use dh_drivers::driver::{DeviceKind, DeviceSettings, Driver, Effort, JointMap};
+use dh_drivers::driver::{DeviceKind, DeviceSettings, Effort, JointMap};
+use dh_drivers::dynamixel::control_table::POSITION_MODE;
+use dh_drivers::dynamixel::{self, Bus, Timing};
 use dh_drivers::motion::{Move, Robot};
 use dh_runtime::{Kinematics, Point2, dh_robot};
 
@@ -47,8 +48,13 @@ fn main() -> ExitCode {
 fn square(arguments: &Arguments) -> Result<(), Failure> {
     let settings = DeviceSettings { kind: DeviceKind::Dynamixel, baud: BAUD };
     let (port, joints) = arguments.device.open(Arm, settings, JointMap::of_table(&Arm)?)?;
-    // The driver sees to it that the servos are in position mode.
-    let mut robot = Robot::new(&Arm, connect(settings, joints, port)?)?.with_poses(&Arm::POSES);
+    let mut bus = Bus::new(port, Timing::default());
+    let ids: Vec<u8> = joints.joints.iter().filter_map(|joint| joint.id.try_into().ok()).collect();
+    // Servos whose torque is on refuse to change: the arm would fall.
+    bus.set_operating_mode(&ids, POSITION_MODE)?;
+    println!("position mode");
+    let driver = dynamixel::Arm::connect(bus, joints, dynamixel::Settings::default())?;
+    let mut robot = Robot::new(&Arm, driver)?.with_poses(&Arm::POSES);
     device::stop_on_interrupt(robot.stop_handle())?;
     robot.hold()?;
     println!("torque on");
@@ -84,7 +90,7 @@ fn joints_at([x, y]: [f64; 2], wrist_down: bool) -> Result<[f64; 7], Failure> {
 }
 
 /// Target and present position of the hand, and what the servos say.
-fn tell(robot: &mut Robot<'_, Box<dyn Driver>>, [x, y]: [f64; 2]) -> Result<(), Failure> {
+fn tell(robot: &mut Robot<'_, dynamixel::Arm>, [x, y]: [f64; 2]) -> Result<(), Failure> {
     let state = robot.read()?.clone();
     let q = state.positions();
     let (shoulder, elbow, wrist) = match *q.as_slice() {

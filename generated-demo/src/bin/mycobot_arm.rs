@@ -6,10 +6,11 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use device::{DeviceFlags, Failure};
+use dh_drivers::connect::wake;
 use dh_drivers::driver::{DeviceKind, DeviceSettings, JointMap};
-use dh_drivers::motion::{Move, Robot};
+use dh_drivers::motion::{MotionError, Move, Reason, Robot};
 use dh_drivers::mycobot::{Model, MyCobot};
-use dh_runtime::{Kinematics, Target, Violations, dh_robot};
+use dh_runtime::{IkError, Kinematics, Rule, Side, Target, Violations, dh_robot};
 
 /// The arm; `robots/mycobot.toml`.
 #[dh_robot("mycobot")]
@@ -83,7 +84,10 @@ fn connected(
 ) -> Result<(), Failure> {
     let settings = DeviceSettings { kind: DeviceKind::Mycobot, baud: model.baud() };
     let (port, joints) = flags.open(Arm, settings, JointMap::of_table(&Arm)?)?;
-    let driver = MyCobot::new(port, joints, model)?;
+    let mut driver = MyCobot::new(port, joints, model)?;
+    if wake(&mut driver)? {
+        eprintln!("the arm had no power, which was switched on: it holds where it is");
+    }
     let mut robot = Robot::new(&Arm, driver)?.with_poses(&Arm::POSES);
     device::stop_on_interrupt(robot.stop_handle())?;
     act(&mut robot)?;
@@ -117,7 +121,7 @@ fn joints(robot: &mut Robot<'_, MyCobot>, speed: u8) -> Result<(), Failure> {
     while let Some(line) = device::ask("J1 ... J6 (deg)> ")? {
         let outcome = device::numbers::<6>(&line).and_then(|angles| {
             let asked = Move::joints(&angles.map(f64::to_radians)).slowed(part(speed));
-            Ok(device::go(robot, &[asked])?)
+            device::go(robot, &[asked]).map_err(|error| in_degrees(&error).into())
         });
         match outcome {
             Ok(()) => arrived(robot)?,
@@ -130,8 +134,31 @@ fn joints(robot: &mut Robot<'_, MyCobot>, speed: u8) -> Result<(), Failure> {
 
 /// The hand to a position (mm), tool down.
 fn hand(robot: &mut Robot<'_, MyCobot>, position: [f64; 3], speed: u8) -> Result<(), Failure> {
-    device::go(robot, &[Move::nearest(TOOL_DOWN, target(position)).slowed(part(speed))])?;
+    let asked = Move::nearest(TOOL_DOWN, target(position)).slowed(part(speed));
+    device::go(robot, &[asked]).map_err(|error| in_degrees(&error))?;
     arrived(robot)
+}
+
+/// What is wrong with a move in the units of who asked for it, degrees and millimetres.
+fn in_degrees(error: &MotionError) -> String {
+    let MotionError::Refused(refusal) = error else { return error.to_string() };
+    let told = [&refusal.reason].into_iter().chain(&refusal.also).map(|reason| match reason {
+        Reason::OutsideLimits { joint, value, min, max } => {
+            let [value, min, max] = [value, min, max].map(|angle| angle.to_degrees());
+            format!("{} would be at {value:.2} degrees, not in {min:.0} to {max:.0}", joint.name)
+        }
+        Reason::Forbidden(rule) | Reason::NoSolution(IkError::Forbidden { rule }) => match rule {
+            Rule::Bound { bound, value } => {
+                let [value, limit] = [value, &bound.value].map(|metres| metres * 1000.0);
+                let (axis, below) = (bound.axis, bound.side == Side::Min);
+                let relation = if below { "below" } else { "above" };
+                format!("the hand's {axis} would be {value:.2} mm, {relation} {limit:.0}")
+            }
+            other => other.to_string(),
+        },
+        other => other.to_string(),
+    });
+    format!("refused: {}", told.collect::<Vec<_>>().join("; "))
 }
 
 /// Down on the plate, up, over, and down again. Lifts are straight lines.
@@ -148,7 +175,7 @@ fn plate(robot: &mut Robot<'_, MyCobot>, speed: u8) -> Result<(), Failure> {
     // The whole way is checked before the first step.
     let moves: Vec<Move> =
         [above.clone()].into_iter().chain(waypoints.iter().map(|(_, asked)| asked.clone())).collect();
-    let whole = robot.plan(&moves)?;
+    let whole = robot.plan(&moves).map_err(|refused| in_degrees(&refused.into()))?;
     println!("the whole way is allowed and takes about {:.0} s", whole.duration());
     device::go(robot, &[above])?;
     for (([x, y, z], asked), color) in waypoints.into_iter().zip(COLORS) {

@@ -74,6 +74,9 @@ pub(crate) fn every_target() -> (Model, Plan) {
             outputs: Vec::new(),
             counts: Counts::default(),
             stages: Vec::new(),
+            unknowns: Vec::new(),
+            constraints: Vec::new(),
+            agreement: None,
         });
     };
     every.for_each(|(problem, target)| add(problem, target.input_names(), &[]));
@@ -138,6 +141,9 @@ fn planar_inverse(problem: usize, a1: &Scalar, a2: &Scalar) -> Function {
                 "rows 1 and 2 of the position",
             ),
         ],
+        unknowns: Vec::new(),
+        constraints: Vec::new(),
+        agreement: None,
     }
 }
 
@@ -177,6 +183,9 @@ fn polar_inverse(a2: Scalar) -> Function {
             stage(0b01, "theta1", Measure::Length, "px c1 + py s1 = a2", "row 1 of the position in frame 1"),
             stage(0b10, "d2", Measure::Length, "d2 = px s1 - py c1", "row 3 of the position in frame 1"),
         ],
+        unknowns: Vec::new(),
+        constraints: Vec::new(),
+        agreement: None,
     }
 }
 

@@ -6,8 +6,8 @@ use ::core::f64::consts::TAU;
 use ::dh_runtime::nalgebra::{Point2, Point3, Rotation3, UnitVector3};
 use ::dh_runtime::{
     FULL_POSE, Float, Frame, FreeValues, IkError, Jacobian, Joint, Kinematics, LengthError, Limits,
-    Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search, Servo, Solution, SolutionSet,
-    Solutions, Target, TargetKind, TrackError, Violations, Winding, copy_into,
+    Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search, Seed, Servo, Solution,
+    SolutionSet, Solutions, Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into,
     jacobian_from_columns, joint_array, track,
 };
 
@@ -84,17 +84,17 @@ impl EveryTarget {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 11] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
-        ProblemInfo { name: "position", target: TargetKind::Position, free: &[] },
-        ProblemInfo { name: "position_direction", target: TargetKind::PositionDirection, free: &[] },
-        ProblemInfo { name: "position_yaw", target: TargetKind::PositionYaw, free: &[] },
-        ProblemInfo { name: "rotation", target: TargetKind::Rotation, free: &[] },
-        ProblemInfo { name: "direction", target: TargetKind::Direction, free: &[] },
-        ProblemInfo { name: "ray", target: TargetKind::Ray, free: &[] },
-        ProblemInfo { name: "lookat", target: TargetKind::Lookat, free: &[] },
-        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[] },
-        ProblemInfo { name: "xy_yaw", target: TargetKind::XyYaw, free: &[] },
-        ProblemInfo { name: "given", target: TargetKind::Xy, free: &[1] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
+        ProblemInfo { name: "position", target: TargetKind::Position, free: &[], constraints: &[] },
+        ProblemInfo { name: "position_direction", target: TargetKind::PositionDirection, free: &[], constraints: &[] },
+        ProblemInfo { name: "position_yaw", target: TargetKind::PositionYaw, free: &[], constraints: &[] },
+        ProblemInfo { name: "rotation", target: TargetKind::Rotation, free: &[], constraints: &[] },
+        ProblemInfo { name: "direction", target: TargetKind::Direction, free: &[], constraints: &[] },
+        ProblemInfo { name: "ray", target: TargetKind::Ray, free: &[], constraints: &[] },
+        ProblemInfo { name: "lookat", target: TargetKind::Lookat, free: &[], constraints: &[] },
+        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[], constraints: &[] },
+        ProblemInfo { name: "xy_yaw", target: TargetKind::XyYaw, free: &[], constraints: &[] },
+        ProblemInfo { name: "given", target: TargetKind::Xy, free: &[1], constraints: &[] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -174,7 +174,7 @@ impl EveryTarget {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all(&self, target: &Pose) -> Result<Solutions<2>, IkError> {
-        solve_pose(&Target::Pose(target.into()))
+        solve_pose(&Target::Pose(target.into()), None)
     }
 
     /// The solutions that brings the tool frame to a pose that whole turns bring inside the limits
@@ -188,18 +188,21 @@ impl EveryTarget {
     /// As [`Self::ik_all`]; where there are solutions, but none is allowed, which limit or rule the
     /// nearest to being allowed breaks.
     pub fn ik(&self, target: &Pose) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all(target)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Pose(target.into());
+        let solve = |seed: Seed<'_>| solve_pose(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
-    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first. A joint
+    /// that the target leaves free is set as near to its value there as the others can follow.
     ///
     /// # Errors
     ///
     /// As [`Self::ik`].
     pub fn ik_near(&self, target: &Pose, seed: &[f64; 2]) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all(target)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Pose(target.into());
+        let solve = |seed: Seed<'_>| solve_pose(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Follows a path of targets from the joint values `start` (rad): for each the allowed solution
@@ -234,7 +237,7 @@ impl EveryTarget {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_position(&self, position: &Point3<f64>) -> Result<Solutions<2>, IkError> {
-        solve_position(&Target::Position((*position).into()))
+        solve_position(&Target::Position((*position).into()), None)
     }
 
     /// The solutions of the table's problem `position` that whole turns bring inside the limits and
@@ -248,12 +251,14 @@ impl EveryTarget {
     /// As [`Self::ik_all_position`]; where there are solutions, but none is allowed, which limit or
     /// rule the nearest to being allowed breaks.
     pub fn ik_position(&self, position: &Point3<f64>) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_position(position)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Position((*position).into());
+        let solve = |seed: Seed<'_>| solve_position(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_position`], each in the representative nearest to `seed` (rad), the nearest
-    /// first.
+    /// first. A joint that the target leaves free is set as near to its value there as the others
+    /// can follow.
     ///
     /// # Errors
     ///
@@ -263,8 +268,9 @@ impl EveryTarget {
         position: &Point3<f64>,
         seed: &[f64; 2],
     ) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_position(position)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Position((*position).into());
+        let solve = |seed: Seed<'_>| solve_position(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `position_direction`, limits ignored; joints
@@ -283,10 +289,11 @@ impl EveryTarget {
         position: &Point3<f64>,
         direction: &UnitVector3<f64>,
     ) -> Result<Solutions<2>, IkError> {
-        solve_position_direction(&Target::PositionDirection {
+        let target = &Target::PositionDirection {
             position: (*position).into(),
             direction: direction.into_inner().into(),
-        })
+        };
+        solve_position_direction(target, None)
     }
 
     /// The solutions of the table's problem `position_direction` that whole turns bring inside the
@@ -305,12 +312,17 @@ impl EveryTarget {
         position: &Point3<f64>,
         direction: &UnitVector3<f64>,
     ) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_position_direction(position, direction)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::PositionDirection {
+            position: (*position).into(),
+            direction: direction.into_inner().into(),
+        };
+        let solve = |seed: Seed<'_>| solve_position_direction(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_position_direction`], each in the representative nearest to `seed` (rad), the
-    /// nearest first.
+    /// nearest first. A joint that the target leaves free is set as near to its value there as the
+    /// others can follow.
     ///
     /// # Errors
     ///
@@ -321,8 +333,12 @@ impl EveryTarget {
         direction: &UnitVector3<f64>,
         seed: &[f64; 2],
     ) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_position_direction(position, direction)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::PositionDirection {
+            position: (*position).into(),
+            direction: direction.into_inner().into(),
+        };
+        let solve = |seed: Seed<'_>| solve_position_direction(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `position_yaw`, limits ignored; joints that
@@ -341,10 +357,11 @@ impl EveryTarget {
         position: &Point3<f64>,
         yaw: f64,
     ) -> Result<Solutions<2>, IkError> {
-        solve_position_yaw(&Target::PositionYaw {
+        let target = &Target::PositionYaw {
             position: (*position).into(),
             yaw,
-        })
+        };
+        solve_position_yaw(target, None)
     }
 
     /// The solutions of the table's problem `position_yaw` that whole turns bring inside the limits
@@ -363,12 +380,17 @@ impl EveryTarget {
         position: &Point3<f64>,
         yaw: f64,
     ) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_position_yaw(position, yaw)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::PositionYaw {
+            position: (*position).into(),
+            yaw,
+        };
+        let solve = |seed: Seed<'_>| solve_position_yaw(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_position_yaw`], each in the representative nearest to `seed` (rad), the nearest
-    /// first.
+    /// first. A joint that the target leaves free is set as near to its value there as the others
+    /// can follow.
     ///
     /// # Errors
     ///
@@ -379,8 +401,12 @@ impl EveryTarget {
         yaw: f64,
         seed: &[f64; 2],
     ) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_position_yaw(position, yaw)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::PositionYaw {
+            position: (*position).into(),
+            yaw,
+        };
+        let solve = |seed: Seed<'_>| solve_position_yaw(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `rotation`, limits ignored; joints that turn
@@ -394,7 +420,7 @@ impl EveryTarget {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_rotation(&self, rotation: &Rotation3<f64>) -> Result<Solutions<2>, IkError> {
-        solve_rotation(&Target::Rotation(Frame::from(rotation).rotation))
+        solve_rotation(&Target::Rotation(Frame::from(rotation).rotation), None)
     }
 
     /// The solutions of the table's problem `rotation` that whole turns bring inside the limits and
@@ -408,12 +434,14 @@ impl EveryTarget {
     /// As [`Self::ik_all_rotation`]; where there are solutions, but none is allowed, which limit or
     /// rule the nearest to being allowed breaks.
     pub fn ik_rotation(&self, rotation: &Rotation3<f64>) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_rotation(rotation)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Rotation(Frame::from(rotation).rotation);
+        let solve = |seed: Seed<'_>| solve_rotation(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_rotation`], each in the representative nearest to `seed` (rad), the nearest
-    /// first.
+    /// first. A joint that the target leaves free is set as near to its value there as the others
+    /// can follow.
     ///
     /// # Errors
     ///
@@ -423,8 +451,9 @@ impl EveryTarget {
         rotation: &Rotation3<f64>,
         seed: &[f64; 2],
     ) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_rotation(rotation)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Rotation(Frame::from(rotation).rotation);
+        let solve = |seed: Seed<'_>| solve_rotation(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `direction`, limits ignored; joints that
@@ -438,7 +467,7 @@ impl EveryTarget {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_direction(&self, direction: &UnitVector3<f64>) -> Result<Solutions<2>, IkError> {
-        solve_direction(&Target::Direction(direction.into_inner().into()))
+        solve_direction(&Target::Direction(direction.into_inner().into()), None)
     }
 
     /// The solutions of the table's problem `direction` that whole turns bring inside the limits
@@ -452,12 +481,14 @@ impl EveryTarget {
     /// As [`Self::ik_all_direction`]; where there are solutions, but none is allowed, which limit
     /// or rule the nearest to being allowed breaks.
     pub fn ik_direction(&self, direction: &UnitVector3<f64>) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_direction(direction)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Direction(direction.into_inner().into());
+        let solve = |seed: Seed<'_>| solve_direction(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_direction`], each in the representative nearest to `seed` (rad), the nearest
-    /// first.
+    /// first. A joint that the target leaves free is set as near to its value there as the others
+    /// can follow.
     ///
     /// # Errors
     ///
@@ -467,8 +498,9 @@ impl EveryTarget {
         direction: &UnitVector3<f64>,
         seed: &[f64; 2],
     ) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_direction(direction)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Direction(direction.into_inner().into());
+        let solve = |seed: Seed<'_>| solve_direction(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `ray`, limits ignored; joints that turn are
@@ -487,10 +519,11 @@ impl EveryTarget {
         position: &Point3<f64>,
         direction: &UnitVector3<f64>,
     ) -> Result<Solutions<2>, IkError> {
-        solve_ray(&Target::Ray {
+        let target = &Target::Ray {
             position: (*position).into(),
             direction: direction.into_inner().into(),
-        })
+        };
+        solve_ray(target, None)
     }
 
     /// The solutions of the table's problem `ray` that whole turns bring inside the limits and no
@@ -508,11 +541,17 @@ impl EveryTarget {
         position: &Point3<f64>,
         direction: &UnitVector3<f64>,
     ) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_ray(position, direction)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Ray {
+            position: (*position).into(),
+            direction: direction.into_inner().into(),
+        };
+        let solve = |seed: Seed<'_>| solve_ray(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
-    /// [`Self::ik_ray`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// [`Self::ik_ray`], each in the representative nearest to `seed` (rad), the nearest first. A
+    /// joint that the target leaves free is set as near to its value there as the others can
+    /// follow.
     ///
     /// # Errors
     ///
@@ -523,8 +562,12 @@ impl EveryTarget {
         direction: &UnitVector3<f64>,
         seed: &[f64; 2],
     ) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_ray(position, direction)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Ray {
+            position: (*position).into(),
+            direction: direction.into_inner().into(),
+        };
+        let solve = |seed: Seed<'_>| solve_ray(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `lookat`, limits ignored; joints that turn
@@ -538,7 +581,7 @@ impl EveryTarget {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_lookat(&self, position: &Point3<f64>) -> Result<Solutions<2>, IkError> {
-        solve_lookat(&Target::Lookat((*position).into()))
+        solve_lookat(&Target::Lookat((*position).into()), None)
     }
 
     /// The solutions of the table's problem `lookat` that whole turns bring inside the limits and
@@ -552,11 +595,14 @@ impl EveryTarget {
     /// As [`Self::ik_all_lookat`]; where there are solutions, but none is allowed, which limit or
     /// rule the nearest to being allowed breaks.
     pub fn ik_lookat(&self, position: &Point3<f64>) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_lookat(position)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Lookat((*position).into());
+        let solve = |seed: Seed<'_>| solve_lookat(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_lookat`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// A joint that the target leaves free is set as near to its value there as the others can
+    /// follow.
     ///
     /// # Errors
     ///
@@ -566,8 +612,9 @@ impl EveryTarget {
         position: &Point3<f64>,
         seed: &[f64; 2],
     ) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_lookat(position)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Lookat((*position).into());
+        let solve = |seed: Seed<'_>| solve_lookat(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `xy`, limits ignored; joints that turn are
@@ -581,7 +628,7 @@ impl EveryTarget {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_xy(&self, position: &Point2<f64>) -> Result<Solutions<2>, IkError> {
-        solve_xy(&Target::Xy((*position).into()))
+        solve_xy(&Target::Xy((*position).into()), None)
     }
 
     /// The solutions of the table's problem `xy` that whole turns bring inside the limits and no
@@ -594,11 +641,14 @@ impl EveryTarget {
     /// As [`Self::ik_all_xy`]; where there are solutions, but none is allowed, which limit or rule
     /// the nearest to being allowed breaks.
     pub fn ik_xy(&self, position: &Point2<f64>) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_xy(position)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Xy((*position).into());
+        let solve = |seed: Seed<'_>| solve_xy(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
-    /// [`Self::ik_xy`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// [`Self::ik_xy`], each in the representative nearest to `seed` (rad), the nearest first. A
+    /// joint that the target leaves free is set as near to its value there as the others can
+    /// follow.
     ///
     /// # Errors
     ///
@@ -608,8 +658,9 @@ impl EveryTarget {
         position: &Point2<f64>,
         seed: &[f64; 2],
     ) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_xy(position)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Xy((*position).into());
+        let solve = |seed: Seed<'_>| solve_xy(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `xy_yaw`, limits ignored; joints that turn
@@ -624,10 +675,11 @@ impl EveryTarget {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_xy_yaw(&self, position: &Point2<f64>, yaw: f64) -> Result<Solutions<2>, IkError> {
-        solve_xy_yaw(&Target::XyYaw {
+        let target = &Target::XyYaw {
             position: (*position).into(),
             yaw,
-        })
+        };
+        solve_xy_yaw(target, None)
     }
 
     /// The solutions of the table's problem `xy_yaw` that whole turns bring inside the limits and
@@ -642,11 +694,17 @@ impl EveryTarget {
     /// As [`Self::ik_all_xy_yaw`]; where there are solutions, but none is allowed, which limit or
     /// rule the nearest to being allowed breaks.
     pub fn ik_xy_yaw(&self, position: &Point2<f64>, yaw: f64) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_xy_yaw(position, yaw)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::XyYaw {
+            position: (*position).into(),
+            yaw,
+        };
+        let solve = |seed: Seed<'_>| solve_xy_yaw(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_xy_yaw`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// A joint that the target leaves free is set as near to its value there as the others can
+    /// follow.
     ///
     /// # Errors
     ///
@@ -657,8 +715,12 @@ impl EveryTarget {
         yaw: f64,
         seed: &[f64; 2],
     ) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_xy_yaw(position, yaw)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::XyYaw {
+            position: (*position).into(),
+            yaw,
+        };
+        let solve = |seed: Seed<'_>| solve_xy_yaw(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `given`, limits ignored; joints that turn
@@ -678,7 +740,7 @@ impl EveryTarget {
         position: &Point2<f64>,
         free: impl FreeValues<1>,
     ) -> Result<Solutions<2>, IkError> {
-        solve_given(&Target::Xy((*position).into()), &free.values())
+        solve_given(&Target::Xy((*position).into()), &free.values(), None)
     }
 
     /// The joint that `ik_at_given` leaves to the caller: J2 (rad).
@@ -693,7 +755,7 @@ impl EveryTarget {
     /// As many as there is room for are put into `out`; how many there are is returned.
     pub fn ik_sweep_given(&self, position: &Point2<f64>, out: &mut [Solution<2>]) -> usize {
         let target = &Target::Xy((*position).into());
-        let at = |free| solve_given(target, &[free]);
+        let at = |free| solve_given(target, &[free], None);
         Self::REDUNDANCY_GIVEN.sweep(at, out)
     }
 
@@ -705,7 +767,7 @@ impl EveryTarget {
     /// As many as there is room for are put into `out`; how many there are is returned.
     pub fn ik_intervals_given(&self, position: &Point2<f64>, out: &mut [Limits]) -> usize {
         let target = &Target::Xy((*position).into());
-        let at = |free| solve_given(target, &[free]);
+        let at = |free| solve_given(target, &[free], None);
         Self::REDUNDANCY_GIVEN.intervals(at, tool_point, out)
     }
 
@@ -797,10 +859,12 @@ fn tool_point(q: &[f64; 2]) -> [f64; 3] {
 
 /// Every solution of the full pose.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_pose(target: &Target) -> Result<Solutions<2>, IkError> {
+fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     let target = target.validate_as(TargetKind::Pose)?;
     let [r11, _, _, _, _, _, _, _, _, _, _, pz] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f64; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [r11, pz];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -810,10 +874,12 @@ fn solve_pose(target: &Target) -> Result<Solutions<2>, IkError> {
 
 /// Every solution of `position`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_position(target: &Target) -> Result<Solutions<2>, IkError> {
+fn solve_position(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     let target = target.validate_as(TargetKind::Position)?;
     let [px, _, pz] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f64; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, pz];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -823,10 +889,15 @@ fn solve_position(target: &Target) -> Result<Solutions<2>, IkError> {
 
 /// Every solution of `position_direction`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_position_direction(target: &Target) -> Result<Solutions<2>, IkError> {
+fn solve_position_direction(
+    target: &Target,
+    seed: Option<Seed<'_>>,
+) -> Result<Solutions<2>, IkError> {
     let target = target.validate_as(TargetKind::PositionDirection)?;
     let [px, _, _, _, _, zz] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f64; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, zz];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -836,10 +907,12 @@ fn solve_position_direction(target: &Target) -> Result<Solutions<2>, IkError> {
 
 /// Every solution of `position_yaw`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_position_yaw(target: &Target) -> Result<Solutions<2>, IkError> {
+fn solve_position_yaw(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     let target = target.validate_as(TargetKind::PositionYaw)?;
     let [px, _, _, _, syaw] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f64; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, syaw];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -849,10 +922,12 @@ fn solve_position_yaw(target: &Target) -> Result<Solutions<2>, IkError> {
 
 /// Every solution of `rotation`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_rotation(target: &Target) -> Result<Solutions<2>, IkError> {
+fn solve_rotation(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     let target = target.validate_as(TargetKind::Rotation)?;
     let [r11, _, _, _, _, _, _, _, r33] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f64; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [r11, r33];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -862,10 +937,12 @@ fn solve_rotation(target: &Target) -> Result<Solutions<2>, IkError> {
 
 /// Every solution of `direction`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_direction(target: &Target) -> Result<Solutions<2>, IkError> {
+fn solve_direction(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     let target = target.validate_as(TargetKind::Direction)?;
     let [zx, _, zz] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f64; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [zx, zz];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -875,10 +952,12 @@ fn solve_direction(target: &Target) -> Result<Solutions<2>, IkError> {
 
 /// Every solution of `ray`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_ray(target: &Target) -> Result<Solutions<2>, IkError> {
+fn solve_ray(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     let target = target.validate_as(TargetKind::Ray)?;
     let [px, _, _, _, _, zz] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f64; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, zz];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -888,10 +967,12 @@ fn solve_ray(target: &Target) -> Result<Solutions<2>, IkError> {
 
 /// Every solution of `lookat`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_lookat(target: &Target) -> Result<Solutions<2>, IkError> {
+fn solve_lookat(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     let target = target.validate_as(TargetKind::Lookat)?;
     let [px, _, pz] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f64; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, pz];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -901,10 +982,12 @@ fn solve_lookat(target: &Target) -> Result<Solutions<2>, IkError> {
 
 /// Every solution of `xy`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_xy(target: &Target) -> Result<Solutions<2>, IkError> {
+fn solve_xy(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f64; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, py];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -914,10 +997,12 @@ fn solve_xy(target: &Target) -> Result<Solutions<2>, IkError> {
 
 /// Every solution of `xy_yaw`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_xy_yaw(target: &Target) -> Result<Solutions<2>, IkError> {
+fn solve_xy_yaw(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     let target = target.validate_as(TargetKind::XyYaw)?;
     let [px, _, _, syaw] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f64; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, syaw];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -928,11 +1013,17 @@ fn solve_xy_yaw(target: &Target) -> Result<Solutions<2>, IkError> {
 /// Every solution of `given`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
-fn solve_given(target: &Target, free: &[f64; 1]) -> Result<Solutions<2>, IkError> {
+fn solve_given(
+    target: &Target,
+    free: &[f64; 1],
+    seed: Option<Seed<'_>>,
+) -> Result<Solutions<2>, IkError> {
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, _] = target.numbers().array();
     let [q2] = *free;
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f64; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, q2];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -977,68 +1068,57 @@ impl Kinematics for EveryTarget {
         copy_into(&geometric_jacobian(joint_array(q)?), out).map(|_| ())
     }
 
-    fn ik_into(
-        &self,
-        problem: &str,
-        target: &Target,
-        out: &mut SolutionSet,
-    ) -> Result<(), IkError> {
-        if let Some(redundancy) = self.redundancy(problem) {
-            return redundancy.sweep_into(self, problem, target, out);
-        }
-        self.ik_at_into(problem, target, &[], out)
-    }
-
-    fn ik_at_into(
+    fn ik_seeded_into(
         &self,
         problem: &str,
         target: &Target,
         free: &[f64],
+        seed: Option<Seed<'_>>,
         out: &mut SolutionSet,
     ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
             FULL_POSE => {
                 LengthError::check(0, free.len())?;
-                solve_pose(target)?
+                solve_pose(target, seed)?
             }
             "position" => {
                 LengthError::check(0, free.len())?;
-                solve_position(target)?
+                solve_position(target, seed)?
             }
             "position_direction" => {
                 LengthError::check(0, free.len())?;
-                solve_position_direction(target)?
+                solve_position_direction(target, seed)?
             }
             "position_yaw" => {
                 LengthError::check(0, free.len())?;
-                solve_position_yaw(target)?
+                solve_position_yaw(target, seed)?
             }
             "rotation" => {
                 LengthError::check(0, free.len())?;
-                solve_rotation(target)?
+                solve_rotation(target, seed)?
             }
             "direction" => {
                 LengthError::check(0, free.len())?;
-                solve_direction(target)?
+                solve_direction(target, seed)?
             }
             "ray" => {
                 LengthError::check(0, free.len())?;
-                solve_ray(target)?
+                solve_ray(target, seed)?
             }
             "lookat" => {
                 LengthError::check(0, free.len())?;
-                solve_lookat(target)?
+                solve_lookat(target, seed)?
             }
             "xy" => {
                 LengthError::check(0, free.len())?;
-                solve_xy(target)?
+                solve_xy(target, seed)?
             }
             "xy_yaw" => {
                 LengthError::check(0, free.len())?;
-                solve_xy_yaw(target)?
+                solve_xy_yaw(target, seed)?
             }
-            "given" => solve_given(target, joint_array(free)?)?,
+            "given" => solve_given(target, joint_array(free)?, seed)?,
             _ => return Err(IkError::UnknownProblem),
         };
         out.fill(Self::DOF, &solutions);

@@ -5,8 +5,9 @@
 use ::core::f32::consts::TAU;
 use ::dh_runtime::{
     FULL_POSE, Float, Frame, FreeValues, IkError, Joint, Kinematics, LengthError, Limits, Mounted,
-    NamedPose, ProblemInfo, Redundancy, Rules, Search, Servo, Solution, SolutionSet, Solutions,
-    Target, TargetKind, TrackError, Violations, Winding, copy_into, joint_array, track,
+    NamedPose, ProblemInfo, Redundancy, Rules, Search, Seed, Servo, Solution, SolutionSet,
+    Solutions, Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into, joint_array,
+    track,
 };
 
 /// Kinematics of the Every target: 2 revolute joints.
@@ -82,17 +83,17 @@ impl EveryTarget {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 11] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
-        ProblemInfo { name: "position", target: TargetKind::Position, free: &[] },
-        ProblemInfo { name: "position_direction", target: TargetKind::PositionDirection, free: &[] },
-        ProblemInfo { name: "position_yaw", target: TargetKind::PositionYaw, free: &[] },
-        ProblemInfo { name: "rotation", target: TargetKind::Rotation, free: &[] },
-        ProblemInfo { name: "direction", target: TargetKind::Direction, free: &[] },
-        ProblemInfo { name: "ray", target: TargetKind::Ray, free: &[] },
-        ProblemInfo { name: "lookat", target: TargetKind::Lookat, free: &[] },
-        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[] },
-        ProblemInfo { name: "xy_yaw", target: TargetKind::XyYaw, free: &[] },
-        ProblemInfo { name: "given", target: TargetKind::Xy, free: &[1] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
+        ProblemInfo { name: "position", target: TargetKind::Position, free: &[], constraints: &[] },
+        ProblemInfo { name: "position_direction", target: TargetKind::PositionDirection, free: &[], constraints: &[] },
+        ProblemInfo { name: "position_yaw", target: TargetKind::PositionYaw, free: &[], constraints: &[] },
+        ProblemInfo { name: "rotation", target: TargetKind::Rotation, free: &[], constraints: &[] },
+        ProblemInfo { name: "direction", target: TargetKind::Direction, free: &[], constraints: &[] },
+        ProblemInfo { name: "ray", target: TargetKind::Ray, free: &[], constraints: &[] },
+        ProblemInfo { name: "lookat", target: TargetKind::Lookat, free: &[], constraints: &[] },
+        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[], constraints: &[] },
+        ProblemInfo { name: "xy_yaw", target: TargetKind::XyYaw, free: &[], constraints: &[] },
+        ProblemInfo { name: "given", target: TargetKind::Xy, free: &[1], constraints: &[] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -171,7 +172,7 @@ impl EveryTarget {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all(&self, target: &Frame<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
-        solve_pose(&Target::Pose(*target))
+        solve_pose(&Target::Pose(*target), None)
     }
 
     /// The solutions that brings the tool frame to a pose that whole turns bring inside the limits
@@ -185,11 +186,13 @@ impl EveryTarget {
     /// As [`Self::ik_all`]; where there are solutions, but none is allowed, which limit or rule the
     /// nearest to being allowed breaks.
     pub fn ik(&self, target: &Frame<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all(target)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Pose(*target);
+        let solve = |seed: Seed<'_, f32>| solve_pose(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
-    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first. A joint
+    /// that the target leaves free is set as near to its value there as the others can follow.
     ///
     /// # Errors
     ///
@@ -199,8 +202,9 @@ impl EveryTarget {
         target: &Frame<f32>,
         seed: &[f32; 2],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all(target)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Pose(*target);
+        let solve = |seed: Seed<'_, f32>| solve_pose(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Follows a path of targets from the joint values `start` (rad): for each the allowed solution
@@ -235,7 +239,7 @@ impl EveryTarget {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_position(&self, position: &[f32; 3]) -> Result<Solutions<2, f32>, IkError<f32>> {
-        solve_position(&Target::Position(*position))
+        solve_position(&Target::Position(*position), None)
     }
 
     /// The solutions of the table's problem `position` that whole turns bring inside the limits and
@@ -249,12 +253,14 @@ impl EveryTarget {
     /// As [`Self::ik_all_position`]; where there are solutions, but none is allowed, which limit or
     /// rule the nearest to being allowed breaks.
     pub fn ik_position(&self, position: &[f32; 3]) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_position(position)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Position(*position);
+        let solve = |seed: Seed<'_, f32>| solve_position(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_position`], each in the representative nearest to `seed` (rad), the nearest
-    /// first.
+    /// first. A joint that the target leaves free is set as near to its value there as the others
+    /// can follow.
     ///
     /// # Errors
     ///
@@ -264,8 +270,9 @@ impl EveryTarget {
         position: &[f32; 3],
         seed: &[f32; 2],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_position(position)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Position(*position);
+        let solve = |seed: Seed<'_, f32>| solve_position(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `position_direction`, limits ignored; joints
@@ -284,10 +291,11 @@ impl EveryTarget {
         position: &[f32; 3],
         direction: &[f32; 3],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        solve_position_direction(&Target::PositionDirection {
+        let target = &Target::PositionDirection {
             position: *position,
             direction: *direction,
-        })
+        };
+        solve_position_direction(target, None)
     }
 
     /// The solutions of the table's problem `position_direction` that whole turns bring inside the
@@ -306,12 +314,17 @@ impl EveryTarget {
         position: &[f32; 3],
         direction: &[f32; 3],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_position_direction(position, direction)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::PositionDirection {
+            position: *position,
+            direction: *direction,
+        };
+        let solve = |seed: Seed<'_, f32>| solve_position_direction(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_position_direction`], each in the representative nearest to `seed` (rad), the
-    /// nearest first.
+    /// nearest first. A joint that the target leaves free is set as near to its value there as the
+    /// others can follow.
     ///
     /// # Errors
     ///
@@ -322,8 +335,12 @@ impl EveryTarget {
         direction: &[f32; 3],
         seed: &[f32; 2],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_position_direction(position, direction)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::PositionDirection {
+            position: *position,
+            direction: *direction,
+        };
+        let solve = |seed: Seed<'_, f32>| solve_position_direction(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `position_yaw`, limits ignored; joints that
@@ -342,10 +359,11 @@ impl EveryTarget {
         position: &[f32; 3],
         yaw: f32,
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        solve_position_yaw(&Target::PositionYaw {
+        let target = &Target::PositionYaw {
             position: *position,
             yaw,
-        })
+        };
+        solve_position_yaw(target, None)
     }
 
     /// The solutions of the table's problem `position_yaw` that whole turns bring inside the limits
@@ -364,12 +382,17 @@ impl EveryTarget {
         position: &[f32; 3],
         yaw: f32,
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_position_yaw(position, yaw)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::PositionYaw {
+            position: *position,
+            yaw,
+        };
+        let solve = |seed: Seed<'_, f32>| solve_position_yaw(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_position_yaw`], each in the representative nearest to `seed` (rad), the nearest
-    /// first.
+    /// first. A joint that the target leaves free is set as near to its value there as the others
+    /// can follow.
     ///
     /// # Errors
     ///
@@ -380,8 +403,12 @@ impl EveryTarget {
         yaw: f32,
         seed: &[f32; 2],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_position_yaw(position, yaw)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::PositionYaw {
+            position: *position,
+            yaw,
+        };
+        let solve = |seed: Seed<'_, f32>| solve_position_yaw(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `rotation`, limits ignored; joints that turn
@@ -398,7 +425,7 @@ impl EveryTarget {
         &self,
         rotation: &[[f32; 3]; 3],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        solve_rotation(&Target::Rotation(*rotation))
+        solve_rotation(&Target::Rotation(*rotation), None)
     }
 
     /// The solutions of the table's problem `rotation` that whole turns bring inside the limits and
@@ -412,12 +439,14 @@ impl EveryTarget {
     /// As [`Self::ik_all_rotation`]; where there are solutions, but none is allowed, which limit or
     /// rule the nearest to being allowed breaks.
     pub fn ik_rotation(&self, rotation: &[[f32; 3]; 3]) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_rotation(rotation)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Rotation(*rotation);
+        let solve = |seed: Seed<'_, f32>| solve_rotation(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_rotation`], each in the representative nearest to `seed` (rad), the nearest
-    /// first.
+    /// first. A joint that the target leaves free is set as near to its value there as the others
+    /// can follow.
     ///
     /// # Errors
     ///
@@ -427,8 +456,9 @@ impl EveryTarget {
         rotation: &[[f32; 3]; 3],
         seed: &[f32; 2],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_rotation(rotation)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Rotation(*rotation);
+        let solve = |seed: Seed<'_, f32>| solve_rotation(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `direction`, limits ignored; joints that
@@ -445,7 +475,7 @@ impl EveryTarget {
         &self,
         direction: &[f32; 3],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        solve_direction(&Target::Direction(*direction))
+        solve_direction(&Target::Direction(*direction), None)
     }
 
     /// The solutions of the table's problem `direction` that whole turns bring inside the limits
@@ -459,12 +489,14 @@ impl EveryTarget {
     /// As [`Self::ik_all_direction`]; where there are solutions, but none is allowed, which limit
     /// or rule the nearest to being allowed breaks.
     pub fn ik_direction(&self, direction: &[f32; 3]) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_direction(direction)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Direction(*direction);
+        let solve = |seed: Seed<'_, f32>| solve_direction(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_direction`], each in the representative nearest to `seed` (rad), the nearest
-    /// first.
+    /// first. A joint that the target leaves free is set as near to its value there as the others
+    /// can follow.
     ///
     /// # Errors
     ///
@@ -474,8 +506,9 @@ impl EveryTarget {
         direction: &[f32; 3],
         seed: &[f32; 2],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_direction(direction)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Direction(*direction);
+        let solve = |seed: Seed<'_, f32>| solve_direction(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `ray`, limits ignored; joints that turn are
@@ -494,10 +527,11 @@ impl EveryTarget {
         position: &[f32; 3],
         direction: &[f32; 3],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        solve_ray(&Target::Ray {
+        let target = &Target::Ray {
             position: *position,
             direction: *direction,
-        })
+        };
+        solve_ray(target, None)
     }
 
     /// The solutions of the table's problem `ray` that whole turns bring inside the limits and no
@@ -515,11 +549,17 @@ impl EveryTarget {
         position: &[f32; 3],
         direction: &[f32; 3],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_ray(position, direction)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Ray {
+            position: *position,
+            direction: *direction,
+        };
+        let solve = |seed: Seed<'_, f32>| solve_ray(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
-    /// [`Self::ik_ray`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// [`Self::ik_ray`], each in the representative nearest to `seed` (rad), the nearest first. A
+    /// joint that the target leaves free is set as near to its value there as the others can
+    /// follow.
     ///
     /// # Errors
     ///
@@ -530,8 +570,12 @@ impl EveryTarget {
         direction: &[f32; 3],
         seed: &[f32; 2],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_ray(position, direction)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Ray {
+            position: *position,
+            direction: *direction,
+        };
+        let solve = |seed: Seed<'_, f32>| solve_ray(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `lookat`, limits ignored; joints that turn
@@ -545,7 +589,7 @@ impl EveryTarget {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_lookat(&self, position: &[f32; 3]) -> Result<Solutions<2, f32>, IkError<f32>> {
-        solve_lookat(&Target::Lookat(*position))
+        solve_lookat(&Target::Lookat(*position), None)
     }
 
     /// The solutions of the table's problem `lookat` that whole turns bring inside the limits and
@@ -559,11 +603,14 @@ impl EveryTarget {
     /// As [`Self::ik_all_lookat`]; where there are solutions, but none is allowed, which limit or
     /// rule the nearest to being allowed breaks.
     pub fn ik_lookat(&self, position: &[f32; 3]) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_lookat(position)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Lookat(*position);
+        let solve = |seed: Seed<'_, f32>| solve_lookat(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_lookat`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// A joint that the target leaves free is set as near to its value there as the others can
+    /// follow.
     ///
     /// # Errors
     ///
@@ -573,8 +620,9 @@ impl EveryTarget {
         position: &[f32; 3],
         seed: &[f32; 2],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_lookat(position)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Lookat(*position);
+        let solve = |seed: Seed<'_, f32>| solve_lookat(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `xy`, limits ignored; joints that turn are
@@ -588,7 +636,7 @@ impl EveryTarget {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_xy(&self, position: &[f32; 2]) -> Result<Solutions<2, f32>, IkError<f32>> {
-        solve_xy(&Target::Xy(*position))
+        solve_xy(&Target::Xy(*position), None)
     }
 
     /// The solutions of the table's problem `xy` that whole turns bring inside the limits and no
@@ -601,11 +649,14 @@ impl EveryTarget {
     /// As [`Self::ik_all_xy`]; where there are solutions, but none is allowed, which limit or rule
     /// the nearest to being allowed breaks.
     pub fn ik_xy(&self, position: &[f32; 2]) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_xy(position)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Xy(*position);
+        let solve = |seed: Seed<'_, f32>| solve_xy(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
-    /// [`Self::ik_xy`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// [`Self::ik_xy`], each in the representative nearest to `seed` (rad), the nearest first. A
+    /// joint that the target leaves free is set as near to its value there as the others can
+    /// follow.
     ///
     /// # Errors
     ///
@@ -615,8 +666,9 @@ impl EveryTarget {
         position: &[f32; 2],
         seed: &[f32; 2],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_xy(position)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Xy(*position);
+        let solve = |seed: Seed<'_, f32>| solve_xy(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `xy_yaw`, limits ignored; joints that turn
@@ -635,10 +687,11 @@ impl EveryTarget {
         position: &[f32; 2],
         yaw: f32,
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        solve_xy_yaw(&Target::XyYaw {
+        let target = &Target::XyYaw {
             position: *position,
             yaw,
-        })
+        };
+        solve_xy_yaw(target, None)
     }
 
     /// The solutions of the table's problem `xy_yaw` that whole turns bring inside the limits and
@@ -657,11 +710,17 @@ impl EveryTarget {
         position: &[f32; 2],
         yaw: f32,
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_xy_yaw(position, yaw)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::XyYaw {
+            position: *position,
+            yaw,
+        };
+        let solve = |seed: Seed<'_, f32>| solve_xy_yaw(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_xy_yaw`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// A joint that the target leaves free is set as near to its value there as the others can
+    /// follow.
     ///
     /// # Errors
     ///
@@ -672,8 +731,12 @@ impl EveryTarget {
         yaw: f32,
         seed: &[f32; 2],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_xy_yaw(position, yaw)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::XyYaw {
+            position: *position,
+            yaw,
+        };
+        let solve = |seed: Seed<'_, f32>| solve_xy_yaw(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `given`, limits ignored; joints that turn
@@ -693,7 +756,7 @@ impl EveryTarget {
         position: &[f32; 2],
         free: impl FreeValues<1, f32>,
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        solve_given(&Target::Xy(*position), &free.values())
+        solve_given(&Target::Xy(*position), &free.values(), None)
     }
 
     /// The joint that `ik_at_given` leaves to the caller: J2 (rad).
@@ -709,7 +772,7 @@ impl EveryTarget {
     /// As many as there is room for are put into `out`; how many there are is returned.
     pub fn ik_sweep_given(&self, position: &[f32; 2], out: &mut [Solution<2, f32>]) -> usize {
         let target = &Target::Xy(*position);
-        let at = |free| solve_given(target, &[free]);
+        let at = |free| solve_given(target, &[free], None);
         Self::REDUNDANCY_GIVEN.sweep(at, out)
     }
 
@@ -721,7 +784,7 @@ impl EveryTarget {
     /// As many as there is room for are put into `out`; how many there are is returned.
     pub fn ik_intervals_given(&self, position: &[f32; 2], out: &mut [Limits<f32>]) -> usize {
         let target = &Target::Xy(*position);
-        let at = |free| solve_given(target, &[free]);
+        let at = |free| solve_given(target, &[free], None);
         Self::REDUNDANCY_GIVEN.intervals(at, tool_point, out)
     }
 
@@ -818,10 +881,15 @@ fn tool_point(q: &[f32; 2]) -> [f32; 3] {
 
 /// Every solution of the full pose.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_pose(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
+fn solve_pose(
+    target: &Target<f32>,
+    seed: Option<Seed<'_, f32>>,
+) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Pose)?;
     let [r11, _, _, _, _, _, _, _, _, _, _, pz] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f32; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [r11, pz];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -831,10 +899,15 @@ fn solve_pose(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `position`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_position(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
+fn solve_position(
+    target: &Target<f32>,
+    seed: Option<Seed<'_, f32>>,
+) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Position)?;
     let [px, _, pz] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f32; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, pz];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -844,10 +917,15 @@ fn solve_position(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32
 
 /// Every solution of `position_direction`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_position_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
+fn solve_position_direction(
+    target: &Target<f32>,
+    seed: Option<Seed<'_, f32>>,
+) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::PositionDirection)?;
     let [px, _, _, _, _, zz] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f32; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, zz];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -857,10 +935,15 @@ fn solve_position_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, I
 
 /// Every solution of `position_yaw`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_position_yaw(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
+fn solve_position_yaw(
+    target: &Target<f32>,
+    seed: Option<Seed<'_, f32>>,
+) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::PositionYaw)?;
     let [px, _, _, _, syaw] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f32; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, syaw];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -870,10 +953,15 @@ fn solve_position_yaw(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError
 
 /// Every solution of `rotation`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_rotation(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
+fn solve_rotation(
+    target: &Target<f32>,
+    seed: Option<Seed<'_, f32>>,
+) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Rotation)?;
     let [r11, _, _, _, _, _, _, _, r33] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f32; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [r11, r33];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -883,10 +971,15 @@ fn solve_rotation(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32
 
 /// Every solution of `direction`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
+fn solve_direction(
+    target: &Target<f32>,
+    seed: Option<Seed<'_, f32>>,
+) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Direction)?;
     let [zx, _, zz] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f32; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [zx, zz];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -896,10 +989,15 @@ fn solve_direction(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f3
 
 /// Every solution of `ray`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_ray(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
+fn solve_ray(
+    target: &Target<f32>,
+    seed: Option<Seed<'_, f32>>,
+) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Ray)?;
     let [px, _, _, _, _, zz] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f32; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, zz];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -909,10 +1007,15 @@ fn solve_ray(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `lookat`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_lookat(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
+fn solve_lookat(
+    target: &Target<f32>,
+    seed: Option<Seed<'_, f32>>,
+) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Lookat)?;
     let [px, _, pz] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f32; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, pz];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -922,10 +1025,15 @@ fn solve_lookat(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>>
 
 /// Every solution of `xy`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_xy(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
+fn solve_xy(
+    target: &Target<f32>,
+    seed: Option<Seed<'_, f32>>,
+) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f32; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, py];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -935,10 +1043,15 @@ fn solve_xy(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `xy_yaw`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_xy_yaw(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
+fn solve_xy_yaw(
+    target: &Target<f32>,
+    seed: Option<Seed<'_, f32>>,
+) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::XyYaw)?;
     let [px, _, _, syaw] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f32; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, syaw];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -949,11 +1062,17 @@ fn solve_xy_yaw(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>>
 /// Every solution of `given`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
-fn solve_given(target: &Target<f32>, free: &[f32; 1]) -> Result<Solutions<2, f32>, IkError<f32>> {
+fn solve_given(
+    target: &Target<f32>,
+    free: &[f32; 1],
+    seed: Option<Seed<'_, f32>>,
+) -> Result<Solutions<2, f32>, IkError<f32>> {
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, _] = target.numbers().array();
     let [q2] = *free;
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f32; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     let q = [px, q2];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));
@@ -998,68 +1117,57 @@ impl Kinematics<f32> for EveryTarget {
         copy_into(&geometric_jacobian(joint_array(q)?), out).map(|_| ())
     }
 
-    fn ik_into(
-        &self,
-        problem: &str,
-        target: &Target<f32>,
-        out: &mut SolutionSet<f32>,
-    ) -> Result<(), IkError<f32>> {
-        if let Some(redundancy) = self.redundancy(problem) {
-            return redundancy.sweep_into(self, problem, target, out);
-        }
-        self.ik_at_into(problem, target, &[], out)
-    }
-
-    fn ik_at_into(
+    fn ik_seeded_into(
         &self,
         problem: &str,
         target: &Target<f32>,
         free: &[f32],
+        seed: Option<Seed<'_, f32>>,
         out: &mut SolutionSet<f32>,
     ) -> Result<(), IkError<f32>> {
         out.clear();
         let solutions = match problem {
             FULL_POSE => {
                 LengthError::check(0, free.len())?;
-                solve_pose(target)?
+                solve_pose(target, seed)?
             }
             "position" => {
                 LengthError::check(0, free.len())?;
-                solve_position(target)?
+                solve_position(target, seed)?
             }
             "position_direction" => {
                 LengthError::check(0, free.len())?;
-                solve_position_direction(target)?
+                solve_position_direction(target, seed)?
             }
             "position_yaw" => {
                 LengthError::check(0, free.len())?;
-                solve_position_yaw(target)?
+                solve_position_yaw(target, seed)?
             }
             "rotation" => {
                 LengthError::check(0, free.len())?;
-                solve_rotation(target)?
+                solve_rotation(target, seed)?
             }
             "direction" => {
                 LengthError::check(0, free.len())?;
-                solve_direction(target)?
+                solve_direction(target, seed)?
             }
             "ray" => {
                 LengthError::check(0, free.len())?;
-                solve_ray(target)?
+                solve_ray(target, seed)?
             }
             "lookat" => {
                 LengthError::check(0, free.len())?;
-                solve_lookat(target)?
+                solve_lookat(target, seed)?
             }
             "xy" => {
                 LengthError::check(0, free.len())?;
-                solve_xy(target)?
+                solve_xy(target, seed)?
             }
             "xy_yaw" => {
                 LengthError::check(0, free.len())?;
-                solve_xy_yaw(target)?
+                solve_xy_yaw(target, seed)?
             }
-            "given" => solve_given(target, joint_array(free)?)?,
+            "given" => solve_given(target, joint_array(free)?, seed)?,
             _ => return Err(IkError::UnknownProblem),
         };
         out.fill(Self::DOF, &solutions);

@@ -6,9 +6,9 @@ use ::core::f64::consts::TAU;
 use ::dh_runtime::nalgebra::Point2;
 use ::dh_runtime::{
     Axis, Bound, Condition, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics,
-    LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet,
-    Solutions, Step, Target, TargetKind, TrackError, Violations, Winding, copy_into,
-    jacobian_from_columns, joint_array, track,
+    LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo,
+    SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted, Winding,
+    copy_into, jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the None \[of them\] Planar 2R: 2 revolute joints.
@@ -100,9 +100,9 @@ impl Planar2R {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
-        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[] },
-        ProblemInfo { name: "elbow_up", target: TargetKind::Xy, free: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
+        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[], constraints: &[] },
+        ProblemInfo { name: "elbow_up", target: TargetKind::Xy, free: &[], constraints: &[] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -197,7 +197,7 @@ impl Planar2R {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all(&self, target: &Pose) -> Result<Solutions<2>, IkError> {
-        solve_pose(&Target::Pose(target.into()))
+        solve_pose(&Target::Pose(target.into()), None)
     }
 
     /// The solutions that brings the tool frame to a pose that whole turns bring inside the limits
@@ -211,18 +211,21 @@ impl Planar2R {
     /// As [`Self::ik_all`]; where there are solutions, but none is allowed, which limit or rule the
     /// nearest to being allowed breaks.
     pub fn ik(&self, target: &Pose) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all(target)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Pose(target.into());
+        let solve = |seed: Seed<'_>| solve_pose(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
-    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first. A joint
+    /// that the target leaves free is set as near to its value there as the others can follow.
     ///
     /// # Errors
     ///
     /// As [`Self::ik`].
     pub fn ik_near(&self, target: &Pose, seed: &[f64; 2]) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all(target)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Pose(target.into());
+        let solve = |seed: Seed<'_>| solve_pose(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Follows a path of targets from the joint values `start` (rad): for each the allowed solution
@@ -266,7 +269,7 @@ impl Planar2R {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_xy(&self, position: &Point2<f64>) -> Result<Solutions<2>, IkError> {
-        solve_xy(&Target::Xy((*position).into()))
+        solve_xy(&Target::Xy((*position).into()), None)
     }
 
     /// The solutions of the table's problem `xy` that whole turns bring inside the limits and no
@@ -279,11 +282,14 @@ impl Planar2R {
     /// As [`Self::ik_all_xy`]; where there are solutions, but none is allowed, which limit or rule
     /// the nearest to being allowed breaks.
     pub fn ik_xy(&self, position: &Point2<f64>) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_xy(position)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Xy((*position).into());
+        let solve = |seed: Seed<'_>| solve_xy(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
-    /// [`Self::ik_xy`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// [`Self::ik_xy`], each in the representative nearest to `seed` (rad), the nearest first. A
+    /// joint that the target leaves free is set as near to its value there as the others can
+    /// follow.
     ///
     /// # Errors
     ///
@@ -293,8 +299,9 @@ impl Planar2R {
         position: &Point2<f64>,
         seed: &[f64; 2],
     ) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_xy(position)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Xy((*position).into());
+        let solve = |seed: Seed<'_>| solve_xy(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `elbow_up`, limits ignored; joints that turn
@@ -319,7 +326,7 @@ impl Planar2R {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_elbow_up(&self, position: &Point2<f64>) -> Result<Solutions<2>, IkError> {
-        solve_elbow_up(&Target::Xy((*position).into()))
+        solve_elbow_up(&Target::Xy((*position).into()), None)
     }
 
     /// The solutions of the table's problem `elbow_up` that whole turns bring inside the limits and
@@ -333,12 +340,14 @@ impl Planar2R {
     /// As [`Self::ik_all_elbow_up`]; where there are solutions, but none is allowed, which limit or
     /// rule the nearest to being allowed breaks.
     pub fn ik_elbow_up(&self, position: &Point2<f64>) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_elbow_up(position)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Xy((*position).into());
+        let solve = |seed: Seed<'_>| solve_elbow_up(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_elbow_up`], each in the representative nearest to `seed` (rad), the nearest
-    /// first.
+    /// first. A joint that the target leaves free is set as near to its value there as the others
+    /// can follow.
     ///
     /// # Errors
     ///
@@ -348,8 +357,9 @@ impl Planar2R {
         position: &Point2<f64>,
         seed: &[f64; 2],
     ) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_elbow_up(position)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Xy((*position).into());
+        let solve = |seed: Seed<'_>| solve_elbow_up(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// This arm with another frame at its tool: the pose (m) of the tool point in the table's tool
@@ -440,13 +450,15 @@ fn tool_point(q: &[f64; 2]) -> [f64; 3] {
 
 /// Every solution of the full pose.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_pose(target: &Target) -> Result<Solutions<2>, IkError> {
+fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Ratio);
 
     let pose = target.validate_pose()?;
     let [r11, _, _, px, r21, _, _, py, _, _, _, _] = pose.rows();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |q: &[f64; 2]| [q[0], q[1]];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
     let px0 = px - A2 * r11;
     let py0 = py - A2 * r21;
 
@@ -475,13 +487,15 @@ fn solve_pose(target: &Target) -> Result<Solutions<2>, IkError> {
 
 /// Every solution of `xy`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_xy(target: &Target) -> Result<Solutions<2>, IkError> {
+fn solve_xy(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     const THETA2: Step = Step::new(0, 0b10, false, Measure::Area);
     const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
 
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f64; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     // theta2: 2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2 (the distance of the tool point)
     let mut roots = search.trig(
@@ -508,13 +522,15 @@ fn solve_xy(target: &Target) -> Result<Solutions<2>, IkError> {
 
 /// Every solution of `elbow_up`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_elbow_up(target: &Target) -> Result<Solutions<2>, IkError> {
+fn solve_elbow_up(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     const THETA2: Step = Step::new(0, 0b10, false, Measure::Area);
     const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
 
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f64; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     // theta2: 2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2 (the distance of the tool point)
     let mut roots = search.trig(
@@ -578,17 +594,28 @@ impl Kinematics for Planar2R {
         copy_into(&geometric_jacobian(joint_array(q)?), out).map(|_| ())
     }
 
-    fn ik_into(
+    fn ik_seeded_into(
         &self,
         problem: &str,
         target: &Target,
+        free: &[f64],
+        seed: Option<Seed<'_>>,
         out: &mut SolutionSet,
     ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
-            FULL_POSE => solve_pose(target)?,
-            "xy" => solve_xy(target)?,
-            "elbow_up" => solve_elbow_up(target)?,
+            FULL_POSE => {
+                LengthError::check(0, free.len())?;
+                solve_pose(target, seed)?
+            }
+            "xy" => {
+                LengthError::check(0, free.len())?;
+                solve_xy(target, seed)?
+            }
+            "elbow_up" => {
+                LengthError::check(0, free.len())?;
+                solve_elbow_up(target, seed)?
+            }
             _ => return Err(IkError::UnknownProblem),
         };
         out.fill(Self::DOF, &solutions);

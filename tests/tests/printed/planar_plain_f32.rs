@@ -5,8 +5,9 @@
 use ::core::f32::consts::TAU;
 use ::dh_runtime::{
     Axis, Bound, Condition, FULL_POSE, Float, Frame, IkError, Joint, Kinematics, LengthError,
-    Measure, Mounted, NamedPose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step,
-    Target, TargetKind, TrackError, Violations, Winding, copy_into, joint_array, track,
+    Measure, Mounted, NamedPose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet, Solutions,
+    Step, Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into, joint_array,
+    track,
 };
 
 /// Kinematics of the None \[of them\] Planar 2R: 2 revolute joints.
@@ -98,9 +99,9 @@ impl Planar2R {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
-        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[] },
-        ProblemInfo { name: "elbow_up", target: TargetKind::Xy, free: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
+        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[], constraints: &[] },
+        ProblemInfo { name: "elbow_up", target: TargetKind::Xy, free: &[], constraints: &[] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -194,7 +195,7 @@ impl Planar2R {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all(&self, target: &Frame<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
-        solve_pose(&Target::Pose(*target))
+        solve_pose(&Target::Pose(*target), None)
     }
 
     /// The solutions that brings the tool frame to a pose that whole turns bring inside the limits
@@ -208,11 +209,13 @@ impl Planar2R {
     /// As [`Self::ik_all`]; where there are solutions, but none is allowed, which limit or rule the
     /// nearest to being allowed breaks.
     pub fn ik(&self, target: &Frame<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all(target)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Pose(*target);
+        let solve = |seed: Seed<'_, f32>| solve_pose(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
-    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// [`Self::ik`], each in the representative nearest to `seed` (rad), the nearest first. A joint
+    /// that the target leaves free is set as near to its value there as the others can follow.
     ///
     /// # Errors
     ///
@@ -222,8 +225,9 @@ impl Planar2R {
         target: &Frame<f32>,
         seed: &[f32; 2],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all(target)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Pose(*target);
+        let solve = |seed: Seed<'_, f32>| solve_pose(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Follows a path of targets from the joint values `start` (rad): for each the allowed solution
@@ -267,7 +271,7 @@ impl Planar2R {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_xy(&self, position: &[f32; 2]) -> Result<Solutions<2, f32>, IkError<f32>> {
-        solve_xy(&Target::Xy(*position))
+        solve_xy(&Target::Xy(*position), None)
     }
 
     /// The solutions of the table's problem `xy` that whole turns bring inside the limits and no
@@ -280,11 +284,14 @@ impl Planar2R {
     /// As [`Self::ik_all_xy`]; where there are solutions, but none is allowed, which limit or rule
     /// the nearest to being allowed breaks.
     pub fn ik_xy(&self, position: &[f32; 2]) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_xy(position)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Xy(*position);
+        let solve = |seed: Seed<'_, f32>| solve_xy(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
-    /// [`Self::ik_xy`], each in the representative nearest to `seed` (rad), the nearest first.
+    /// [`Self::ik_xy`], each in the representative nearest to `seed` (rad), the nearest first. A
+    /// joint that the target leaves free is set as near to its value there as the others can
+    /// follow.
     ///
     /// # Errors
     ///
@@ -294,8 +301,9 @@ impl Planar2R {
         position: &[f32; 2],
         seed: &[f32; 2],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_xy(position)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Xy(*position);
+        let solve = |seed: Seed<'_, f32>| solve_xy(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Every geometric solution of the table's problem `elbow_up`, limits ignored; joints that turn
@@ -320,7 +328,7 @@ impl Planar2R {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_elbow_up(&self, position: &[f32; 2]) -> Result<Solutions<2, f32>, IkError<f32>> {
-        solve_elbow_up(&Target::Xy(*position))
+        solve_elbow_up(&Target::Xy(*position), None)
     }
 
     /// The solutions of the table's problem `elbow_up` that whole turns bring inside the limits and
@@ -334,12 +342,14 @@ impl Planar2R {
     /// As [`Self::ik_all_elbow_up`]; where there are solutions, but none is allowed, which limit or
     /// rule the nearest to being allowed breaks.
     pub fn ik_elbow_up(&self, position: &[f32; 2]) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_elbow_up(position)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Xy(*position);
+        let solve = |seed: Seed<'_, f32>| solve_elbow_up(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_elbow_up`], each in the representative nearest to `seed` (rad), the nearest
-    /// first.
+    /// first. A joint that the target leaves free is set as near to its value there as the others
+    /// can follow.
     ///
     /// # Errors
     ///
@@ -349,8 +359,9 @@ impl Planar2R {
         position: &[f32; 2],
         seed: &[f32; 2],
     ) -> Result<Solutions<2, f32>, IkError<f32>> {
-        let solutions = self.ik_all_elbow_up(position)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Xy(*position);
+        let solve = |seed: Seed<'_, f32>| solve_elbow_up(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// This arm with another frame at its tool: the pose (m) of the tool point in the table's tool
@@ -446,13 +457,18 @@ fn tool_point(q: &[f32; 2]) -> [f32; 3] {
 
 /// Every solution of the full pose.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_pose(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
+fn solve_pose(
+    target: &Target<f32>,
+    seed: Option<Seed<'_, f32>>,
+) -> Result<Solutions<2, f32>, IkError<f32>> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Ratio);
 
     let pose = target.validate_pose()?;
     let [r11, _, _, px, r21, _, _, py, _, _, _, _] = pose.rows();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |q: &[f32; 2]| [q[0], q[1]];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
     let px0 = px - A2 * r11;
     let py0 = py - A2 * r21;
 
@@ -481,13 +497,18 @@ fn solve_pose(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `xy`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_xy(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
+fn solve_xy(
+    target: &Target<f32>,
+    seed: Option<Seed<'_, f32>>,
+) -> Result<Solutions<2, f32>, IkError<f32>> {
     const THETA2: Step = Step::new(0, 0b10, false, Measure::Area);
     const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
 
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f32; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     // theta2: 2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2 (the distance of the tool point)
     let mut roots = search.trig(
@@ -514,13 +535,18 @@ fn solve_xy(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
 
 /// Every solution of `elbow_up`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_elbow_up(target: &Target<f32>) -> Result<Solutions<2, f32>, IkError<f32>> {
+fn solve_elbow_up(
+    target: &Target<f32>,
+    seed: Option<Seed<'_, f32>>,
+) -> Result<Solutions<2, f32>, IkError<f32>> {
     const THETA2: Step = Step::new(0, 0b10, false, Measure::Area);
     const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
 
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f32; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     // theta2: 2 a1 a2 c2 = px^2 + py^2 - a1^2 - a2^2 (the distance of the tool point)
     let mut roots = search.trig(
@@ -584,17 +610,28 @@ impl Kinematics<f32> for Planar2R {
         copy_into(&geometric_jacobian(joint_array(q)?), out).map(|_| ())
     }
 
-    fn ik_into(
+    fn ik_seeded_into(
         &self,
         problem: &str,
         target: &Target<f32>,
+        free: &[f32],
+        seed: Option<Seed<'_, f32>>,
         out: &mut SolutionSet<f32>,
     ) -> Result<(), IkError<f32>> {
         out.clear();
         let solutions = match problem {
-            FULL_POSE => solve_pose(target)?,
-            "xy" => solve_xy(target)?,
-            "elbow_up" => solve_elbow_up(target)?,
+            FULL_POSE => {
+                LengthError::check(0, free.len())?;
+                solve_pose(target, seed)?
+            }
+            "xy" => {
+                LengthError::check(0, free.len())?;
+                solve_xy(target, seed)?
+            }
+            "elbow_up" => {
+                LengthError::check(0, free.len())?;
+                solve_elbow_up(target, seed)?
+            }
             _ => return Err(IkError::UnknownProblem),
         };
         out.fill(Self::DOF, &solutions);

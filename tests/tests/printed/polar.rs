@@ -6,9 +6,9 @@ use ::core::f64::consts::{FRAC_PI_2, TAU};
 use ::dh_runtime::nalgebra::Point2;
 use ::dh_runtime::{
     FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted,
-    NamedPose, Pose, ProblemInfo, Rules, Search, Servo, SolutionSet, Solutions, Step, Target,
-    TargetKind, TrackError, Violations, Winding, copy_into, jacobian_from_columns, joint_array,
-    track,
+    NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet, Solutions, Step, Target,
+    TargetKind, TrackError, Violations, Wanted, Winding, copy_into, jacobian_from_columns,
+    joint_array, track,
 };
 
 /// Kinematics of the Polar: 1 revolute and 1 prismatic joint.
@@ -83,8 +83,8 @@ impl Polar {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[] },
-        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
+        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[], constraints: &[] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -178,7 +178,7 @@ impl Polar {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all(&self, target: &Pose) -> Result<Solutions<2>, IkError> {
-        solve_pose(&Target::Pose(target.into()))
+        solve_pose(&Target::Pose(target.into()), None)
     }
 
     /// The solutions that brings the tool frame to a pose that whole turns bring inside the limits
@@ -192,19 +192,22 @@ impl Polar {
     /// As [`Self::ik_all`]; where there are solutions, but none is allowed, which limit or rule the
     /// nearest to being allowed breaks.
     pub fn ik(&self, target: &Pose) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all(target)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Pose(target.into());
+        let solve = |seed: Seed<'_>| solve_pose(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik`], each in the representative nearest to `seed` (rad, or m for joints that
-    /// slide), the nearest first.
+    /// slide), the nearest first. A joint that the target leaves free is set as near to its value
+    /// there as the others can follow.
     ///
     /// # Errors
     ///
     /// As [`Self::ik`].
     pub fn ik_near(&self, target: &Pose, seed: &[f64; 2]) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all(target)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Pose(target.into());
+        let solve = |seed: Seed<'_>| solve_pose(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// Follows a path of targets from the joint values `start` (rad, or m for joints that slide):
@@ -249,7 +252,7 @@ impl Polar {
     ///
     /// [`IkError`]: the first step of the solution that fails decides.
     pub fn ik_all_xy(&self, position: &Point2<f64>) -> Result<Solutions<2>, IkError> {
-        solve_xy(&Target::Xy((*position).into()))
+        solve_xy(&Target::Xy((*position).into()), None)
     }
 
     /// The solutions of the table's problem `xy` that whole turns bring inside the limits and no
@@ -262,12 +265,14 @@ impl Polar {
     /// As [`Self::ik_all_xy`]; where there are solutions, but none is allowed, which limit or rule
     /// the nearest to being allowed breaks.
     pub fn ik_xy(&self, position: &Point2<f64>) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_xy(position)?;
-        solutions.within(&Self::RULES, tool_point, None)
+        let target = &Target::Xy((*position).into());
+        let solve = |seed: Seed<'_>| solve_xy(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, None)
     }
 
     /// [`Self::ik_xy`], each in the representative nearest to `seed` (rad, or m for joints that
-    /// slide), the nearest first.
+    /// slide), the nearest first. A joint that the target leaves free is set as near to its value
+    /// there as the others can follow.
     ///
     /// # Errors
     ///
@@ -277,8 +282,9 @@ impl Polar {
         position: &Point2<f64>,
         seed: &[f64; 2],
     ) -> Result<Solutions<2>, IkError> {
-        let solutions = self.ik_all_xy(position)?;
-        solutions.within(&Self::RULES, tool_point, Some(seed))
+        let target = &Target::Xy((*position).into());
+        let solve = |seed: Seed<'_>| solve_xy(target, Some(seed));
+        Self::RULES.allowed(solve, tool_point, Some(seed))
     }
 
     /// This arm with another frame at its tool: the pose (m) of the tool point in the table's tool
@@ -367,13 +373,15 @@ fn tool_point(q: &[f64; 2]) -> [f64; 3] {
 
 /// Every solution of the full pose.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_pose(target: &Target) -> Result<Solutions<2>, IkError> {
+fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Ratio);
     const D2: Step = Step::new(1, 0b10, true, Measure::Length);
 
     let pose = target.validate_pose()?;
     let [r11, _, _, px, r21, _, _, py, _, _, _, _] = pose.rows();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |q: &[f64; 2]| [FRAC_PI_2 + q[0], q[1]];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     // theta1: c1 = r11; s1 = r21 (rows 1 and 2 of the x axis in frame 0)
     let mut roots = search.trig_pair(THETA1, [1.0, 0.0, r11], [0.0, 1.0, r21]);
@@ -398,13 +406,15 @@ fn solve_pose(target: &Target) -> Result<Solutions<2>, IkError> {
 
 /// Every solution of `xy`.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
-fn solve_xy(target: &Target) -> Result<Solutions<2>, IkError> {
+fn solve_xy(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const D2: Step = Step::new(1, 0b10, true, Measure::Length);
 
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
-    let mut search = Search::new(REACH, &WINDINGS);
+    let unknowns = |_: &[f64; 2]| [];
+    let wanted = Wanted::of(seed, unknowns)?;
+    let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     // theta1: px c1 + py s1 = a2 (row 1 of the position in frame 1)
     let mut roots = search.trig(THETA1, px, py, A2);
@@ -459,16 +469,24 @@ impl Kinematics for Polar {
         copy_into(&geometric_jacobian(joint_array(q)?), out).map(|_| ())
     }
 
-    fn ik_into(
+    fn ik_seeded_into(
         &self,
         problem: &str,
         target: &Target,
+        free: &[f64],
+        seed: Option<Seed<'_>>,
         out: &mut SolutionSet,
     ) -> Result<(), IkError> {
         out.clear();
         let solutions = match problem {
-            FULL_POSE => solve_pose(target)?,
-            "xy" => solve_xy(target)?,
+            FULL_POSE => {
+                LengthError::check(0, free.len())?;
+                solve_pose(target, seed)?
+            }
+            "xy" => {
+                LengthError::check(0, free.len())?;
+                solve_xy(target, seed)?
+            }
             _ => return Err(IkError::UnknownProblem),
         };
         out.fill(Self::DOF, &solutions);

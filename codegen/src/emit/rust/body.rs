@@ -101,7 +101,6 @@ impl Body<'_> {
                         explain(text, stage);
                     }
                     let roots: Vec<_> = roots.iter().map(|root| self.name(*root)).collect();
-                    let head = format!("for [{}] in", roots.join(", "));
                     let given = given.iter().map(|value| self.leaves.expression(value)).collect();
                     let given = Expression::Array(given).flat();
                     let arguments = [
@@ -112,7 +111,12 @@ impl Body<'_> {
                     ];
                     let arguments = arguments.map(|argument| Expression::Atom(argument.to_owned())).to_vec();
                     let call = Expression::Call("search.general".to_owned(), arguments);
-                    text.laid_out(&statement(text.indent(), &head, &call, " {"));
+                    text.laid_out(&statement(text.indent(), "let mut candidates =", &call, ";"));
+                    let some = self.leaves.paths.prelude("Some");
+                    let roots = roots.join(", ");
+                    text.line(format!(
+                        "while let {some}([{roots}]) = search.next_candidate(&mut candidates) {{"
+                    ));
                     let mut nested = Text::indented(text.indent() / 4 + 1);
                     self.steps(&mut nested, body, accept);
                     text.append(&nested.into_string());
@@ -125,7 +129,7 @@ impl Body<'_> {
                         clean(meant)
                     );
                     text.paragraph("//", &meant);
-                    text.line(self.search("Near", &[self.nearly]));
+                    text.line(self.search(["Near", "new"], self.nearly));
                     self.steps(text, body, accept);
                     let some = self.leaves.paths.prelude("Some");
                     text.line(format!("if let {some}(answer) = search.finish() {{"));
@@ -135,7 +139,7 @@ impl Body<'_> {
                     text.paragraph("//", "Near a singular pose of it, the arm as it is.");
                     let target = self.leaves.paths.runtime("Target");
                     text.line(format!("let target = {target}::Pose(pose);"));
-                    text.line(self.search("Search", &[]));
+                    text.line(self.search(["Search", "about"], "wanted"));
                     self.steps(text, otherwise, accept);
                 }
                 Step::Accept { q, tool, polish } => accept(text, &Candidate { q, tool, polish: *polish }),
@@ -143,12 +147,11 @@ impl Body<'_> {
         }
     }
 
-    /// A new search.
-    pub(super) fn search(&self, kind: &str, more: &[&str]) -> String {
+    /// A new search, by one of its constructors.
+    pub(super) fn search(&self, [kind, constructor]: [&str; 2], more: &str) -> String {
         let [reach, windings] = self.search;
-        let more: Vec<String> = more.iter().map(|name| format!(", &{name}")).collect();
-        let more = more.concat();
-        format!("let mut search = {}::new({reach}, &{windings}{more});", self.leaves.paths.runtime(kind))
+        let kind = self.leaves.paths.runtime(kind);
+        format!("let mut search = {kind}::{constructor}({reach}, &{windings}, &{more});")
     }
 
     /// The solver's call for an equation.

@@ -7,7 +7,9 @@ use super::names::function_suffix;
 use super::number::{self, number};
 use super::text::{Text, clean};
 use crate::model::{Filter, JointKind, Problem, Row, Target};
-use crate::plan::{Function, FunctionKind, GeneralChain, Measure, Nearly, Scalar, Stage, Step, ValueId};
+use crate::plan::{
+    Form, Function, FunctionKind, GeneralChain, Measure, Nearly, Scalar, Stage, Step, ValueId,
+};
 use dh_core::FULL_POSE;
 
 impl<'a> Printer<'a> {
@@ -53,8 +55,9 @@ impl<'a> Printer<'a> {
         if let Some(free) = &free {
             lines.line(format!("let {free} = *free;"));
         }
+        self.wanted(&mut lines, function);
         if !matches!(function.steps[..], [Step::Near { .. }]) {
-            lines.line(body.search("Search", &[]));
+            lines.line(body.search(["Search", "about"], "wanted"));
         }
         body.steps(&mut lines, &function.steps, &|text, candidate| {
             self.accept(text, candidate, problem, &body);
@@ -76,9 +79,31 @@ impl<'a> Printer<'a> {
                 self.scalar()
             ));
         }
+        let lifetime = format!("'_{}", self.scalar_argument(", "));
+        let seed = self.paths.runtime("Seed");
+        parameters.push(format!("seed: {}<{seed}<{lifetime}>>", self.paths.prelude("Option")));
         text.signature(&format!("fn {}", private_name(problem)), &parameters, &self.inverse_result());
         text.append(&lines);
         text.close("}");
+    }
+
+    /// What is wanted of the unknowns where the target leaves some free.
+    fn wanted(&self, text: &mut Text, function: &Function) {
+        let form = |form: &Option<Form>| {
+            let Some(form) = form else {
+                return Expression::Atom(format!("{}::NAN", self.scalar()));
+            };
+            let mut sum = Sum::from(self, form.constant);
+            for &(joint, factor) in &form.terms {
+                sum.add(factor, Expression::Atom(format!("q[{joint}]")));
+            }
+            sum.expression()
+        };
+        let known = function.unknowns.iter().flatten().any(|form| !form.terms.is_empty());
+        let head = format!("let unknowns = |{}: &{}|", if known { "q" } else { "_" }, self.joints_type());
+        let forms = Expression::Array(function.unknowns.iter().map(form).collect());
+        text.laid_out(&statement(text.indent(), &head, &forms, ";"));
+        text.line(format!("let wanted = {}::of(seed, unknowns)?;", self.paths.runtime("Wanted")));
     }
 
     /// The description of a stage, for errors.
@@ -154,9 +179,10 @@ impl<'a> Printer<'a> {
         text.line(format!("    reach: {},", number(chain.reach).flat()));
         text.line("    charts: &[");
         for chart in &chain.charts {
-            let dh_core::Chart { dropped, backward, hidden, swapped, divided, degree } = chart;
+            let dh_core::Chart { dropped, backward, hidden, swapped, divided, degree, periods } = chart;
+            let repeated = if *periods == 1 { String::new() } else { format!(".repeated({periods})") };
             text.line(format!(
-                "        {}::new({dropped}, {backward}, {hidden}, {swapped}, {divided}, {degree}),",
+                "        {}::new({dropped}, {backward}, {hidden}, {swapped}, {divided}, {degree}){repeated},",
                 self.paths.runtime("Chart")
             ));
         }

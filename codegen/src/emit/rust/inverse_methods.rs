@@ -7,7 +7,7 @@ use super::layout::{Expression, statement};
 use super::targets::Arguments;
 use super::text::{Text, clean};
 use crate::model::Problem;
-use crate::plan::{Function, FunctionKind};
+use crate::plan::{Agreement, Function, FunctionKind};
 
 /// What the methods of one problem have in common.
 pub(super) struct Methods<'a> {
@@ -78,6 +78,7 @@ impl Printer<'_> {
             paragraphs.push("Solved one after the other:".to_owned());
             paragraphs.push(stages);
         }
+        paragraphs.extend(function.agreement.as_ref().map(agreement));
         paragraphs.push(format!("Besides solving, on each branch: {}", operations(function.counts)));
         paragraphs.push("# Errors".to_owned());
         paragraphs.push(format!(
@@ -96,8 +97,14 @@ impl Printer<'_> {
             &methods.parameters(last),
             &self.inverse_result(),
         );
-        let mut passed = vec![arguments.target.clone()];
+        let mut passed = vec![if matches!(arguments.target, Expression::Struct(..)) {
+            text.laid_out(&statement(text.indent(), "let target =", &arguments.target, ";"));
+            Expression::Atom("target".to_owned())
+        } else {
+            arguments.target.clone()
+        }];
         passed.extend(free.map(|_| Expression::Atom("&free.values()".to_owned())));
+        passed.push(Expression::Atom(self.paths.prelude("None")));
         let call = Expression::Call(private_name(*problem), passed);
         text.laid_out(&statement(text.indent(), "", &call, ""));
         text.close("}");
@@ -122,7 +129,7 @@ impl Printer<'_> {
         ]);
         allow_case(text, suffix);
         text.signature(&format!("pub fn ik{suffix}"), &methods.parameters(None), &self.inverse_result());
-        Self::within(text, methods, &self.paths.prelude("None"));
+        self.chosen(text, methods, &self.paths.prelude("None"));
     }
 
     /// `ik_near`: the same, by their distance from a seed.
@@ -132,7 +139,8 @@ impl Printer<'_> {
         text.gap();
         text.documentation([
             format!(
-                "[`Self::ik{suffix}`], each in the representative nearest to `seed` ({units}), the nearest first."
+                "[`Self::ik{suffix}`], each in the representative nearest to `seed` ({units}), the nearest first. A joint \
+                 that the target leaves free is set as near to its value there as the others can follow."
             ),
             "# Errors".to_owned(),
             format!("As [`Self::ik{suffix}`]."),
@@ -141,7 +149,7 @@ impl Printer<'_> {
         let seed = format!("seed: &{}", self.joints_type());
         let parameters = methods.parameters(Some(seed));
         text.signature(&format!("pub fn ik{suffix}_near"), &parameters, &self.inverse_result());
-        Self::within(text, methods, &format!("{}(seed)", self.paths.prelude("Some")));
+        self.chosen(text, methods, &format!("{}(seed)", self.paths.prelude("Some")));
     }
 
     /// `ik_track`: a path of poses.
@@ -189,10 +197,16 @@ impl Printer<'_> {
     }
 
     /// All solutions, and of these the ones that are allowed.
-    fn within(text: &mut Text, methods: &Methods<'_>, seed: &str) {
-        let names = methods.arguments.names.join(", ");
-        text.line(format!("let solutions = self.ik_all{}({names})?;", methods.suffix));
-        text.line(format!("solutions.within(&Self::RULES, tool_point, {seed})"));
+    fn chosen(&self, text: &mut Text, methods: &Methods<'_>, seed: &str) {
+        text.laid_out(&statement(text.indent(), "let target =", &methods.arguments.target, ";"));
+        text.line(format!(
+            "let solve = |seed: {}<'_{}>| {}(target, {}(seed));",
+            self.paths.runtime("Seed"),
+            self.scalar_argument(", "),
+            private_name(methods.problem),
+            self.paths.prelude("Some")
+        ));
+        text.line(format!("Self::RULES.allowed(solve, tool_point, {seed})"));
         text.close("}");
     }
 
@@ -220,6 +234,15 @@ fn row_unit(row: &crate::model::Row) -> &'static str {
         crate::model::JointKind::Revolute => "rad",
         crate::model::JointKind::Prismatic => "m",
     }
+}
+
+/// What another method says.
+fn agreement(agreement: &Agreement) -> String {
+    let Agreement { method, poses, agreed } = agreement;
+    format!(
+        "Another method ({}) finds the same solutions at {agreed} of {poses} random poses.",
+        clean(method)
+    )
 }
 
 /// The constraints and inequalities of a problem, as they were written.

@@ -82,66 +82,49 @@ impl Printer<'_> {
         }
     }
 
-    /// `ik_into`; where joints are left to the caller, it sweeps over their values, and `ik_at_into` takes them.
+    /// `ik_seeded_into`.
     fn ik_into(&self, text: &mut Text) {
         let (ok, err) = (self.paths.prelude("Ok"), self.paths.prelude("Err"));
         let unknown = format!("{}::UnknownProblem", self.paths.runtime("IkError"));
         let solved = self.inverse_functions().next().is_some();
-        let redundant = self.inverse_functions().any(|(function, _)| free_count(function).is_some());
-        if redundant {
-            self.ik_into_signature(text, "ik_into", &["problem", "target", "out"]);
-            text.open(format!(
-                "if let {}(redundancy) = self.redundancy(problem) {{",
-                self.paths.prelude("Some")
-            ));
-            text.line("return redundancy.sweep_into(self, problem, target, out);");
-            text.close("}");
-            text.line("self.ik_at_into(problem, target, &[], out)");
-            text.close("}");
-            self.ik_into_signature(text, "ik_at_into", &["problem", "target", "free", "out"]);
-        } else {
-            let names = if solved { ["problem", "target", "out"] } else { ["_problem", "_target", "out"] };
-            self.ik_into_signature(text, "ik_into", &names);
-        }
-        text.line("out.clear();");
-        if solved {
-            text.open("let solutions = match problem {");
-            for (function, problem) in self.inverse_functions() {
-                let (name, solve) = (self.problem_name(problem), private_name(problem));
-                if free_count(function).is_some() {
-                    let array = self.paths.runtime("joint_array");
-                    text.line(format!("{name} => {solve}(target, {array}(free)?)?,"));
-                } else if redundant {
-                    text.open(format!("{name} => {{"));
-                    text.line(format!("{}::check(0, free.len())?;", self.paths.runtime("LengthError")));
-                    text.line(format!("{solve}(target)?"));
-                    text.close("}");
-                } else {
-                    text.line(format!("{name} => {solve}(target)?,"));
-                }
-            }
-            text.line(format!("_ => return {err}({unknown}),"));
-            text.close("};");
-            text.line("out.fill(Self::DOF, &solutions);");
-            text.line(format!("{ok}(())"));
-        } else {
-            text.line(format!("{err}({unknown})"));
-        }
-        text.close("}");
-    }
-
-    fn ik_into_signature(&self, text: &mut Text, name: &str, parameters: &[&str]) {
         let (target, set) = (self.runtime_type("Target"), self.runtime_type("SolutionSet"));
-        let typed = parameters.iter().map(|parameter| match parameter.trim_start_matches('_') {
-            "problem" => format!("{parameter}: &str"),
-            "target" => format!("{parameter}: &{target}"),
-            "free" => format!("{parameter}: &[{}]", self.scalar()),
-            _ => format!("{parameter}: &mut {set}"),
-        });
-        let all: Vec<String> = core::iter::once("&self".to_owned()).chain(typed).collect();
+        let seed = format!("{}<'_{}>", self.paths.runtime("Seed"), self.scalar_argument(", "));
+        let unused = if solved { "" } else { "_" };
+        let parameters = [
+            "&self".to_owned(),
+            format!("{unused}problem: &str"),
+            format!("{unused}target: &{target}"),
+            format!("{unused}free: &[{}]", self.scalar()),
+            format!("{unused}seed: {}<{seed}>", self.paths.prelude("Option")),
+            format!("out: &mut {set}"),
+        ];
         let result = format!("{}<(), {}>", self.paths.prelude("Result"), self.runtime_type("IkError"));
         text.gap();
-        text.signature(&format!("fn {name}"), &all, &result);
+        text.signature("fn ik_seeded_into", &parameters, &result);
+        text.line("out.clear();");
+        if !solved {
+            text.line(format!("{err}({unknown})"));
+            text.close("}");
+            return;
+        }
+        text.open("let solutions = match problem {");
+        for (function, problem) in self.inverse_functions() {
+            let (name, solve) = (self.problem_name(problem), private_name(problem));
+            if free_count(function).is_some() {
+                let array = self.paths.runtime("joint_array");
+                text.line(format!("{name} => {solve}(target, {array}(free)?, seed)?,"));
+            } else {
+                text.open(format!("{name} => {{"));
+                text.line(format!("{}::check(0, free.len())?;", self.paths.runtime("LengthError")));
+                text.line(format!("{solve}(target, seed)?"));
+                text.close("}");
+            }
+        }
+        text.line(format!("_ => return {err}({unknown}),"));
+        text.close("};");
+        text.line("out.fill(Self::DOF, &solutions);");
+        text.line(format!("{ok}(())"));
+        text.close("}");
     }
 
     /// The name of a problem as a pattern.

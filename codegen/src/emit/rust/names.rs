@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 /// What the printer itself calls things inside a generated function, and what it calls there.
-const OURS: [&str; 21] = [
+const OURS: [&str; 24] = [
     "q",
     "target",
     "search",
@@ -25,6 +25,9 @@ const OURS: [&str; 21] = [
     "rules",
     "seed",
     "free",
+    "unknowns",
+    "wanted",
+    "candidates",
 ];
 
 /// Words that are not identifiers in any edition up to 2024 (`raw#` forms are no easier to read than a suffix).

@@ -34,7 +34,10 @@ impl Printer<'_> {
         )]);
         let kind = if methods.problem.is_none_or(Problem::is_whole_pose) { "of_pose" } else { "of_problem" };
         let parts = [joint.to_string(), "Self::RULES".to_owned(), self.private("REACH").to_owned()];
-        let value = Expression::Call(format!("{ty}::{kind}"), parts.map(Expression::Atom).to_vec());
+        let mut value = Expression::Call(format!("{ty}::{kind}"), parts.map(Expression::Atom).to_vec());
+        if methods.function.is_searched() {
+            value = Expression::Atom(format!("{}.searched()", value.flat()));
+        }
         let head = format!("pub const {name}: {ty}<'static{}> =", self.scalar_argument(", "));
         text.laid_out(&statement(text.indent(), &head, &value, ";"));
     }
@@ -54,7 +57,7 @@ impl Printer<'_> {
         allow_case(text, suffix);
         let out = format!("out: &mut [{}]", self.sized_type("Solution"));
         text.signature(&format!("pub fn ik_sweep{suffix}"), &methods.parameters(Some(out)), "usize");
-        target_and_at(text, methods);
+        target_and_at(text, methods, &self.paths.prelude("None"));
         text.line(format!("Self::{}.sweep(at, out)", constant_name(methods.problem)));
         text.close("}");
     }
@@ -75,7 +78,7 @@ impl Printer<'_> {
         allow_case(text, suffix);
         let out = format!("out: &mut [{limits}]");
         text.signature(&format!("pub fn ik_intervals{suffix}"), &methods.parameters(Some(out)), "usize");
-        target_and_at(text, methods);
+        target_and_at(text, methods, &self.paths.prelude("None"));
         text.line(format!("Self::{}.intervals(at, tool_point, out)", constant_name(methods.problem)));
         text.close("}");
     }
@@ -106,7 +109,7 @@ impl Printer<'_> {
             self.runtime_type("IkError")
         );
         text.signature(&format!("pub fn ik_nearest{suffix}"), &methods.parameters(Some(seed)), &result);
-        target_and_at(text, methods);
+        target_and_at(text, methods, &self.paths.prelude("None"));
         let state = self.private_name(&FunctionKind::FkJacobian);
         text.line(format!("let arm = {}::new(at, {state});", self.paths.runtime("Arm")));
         text.line(format!("Self::{}.nearest(arm, tool_point, target, seed)", constant_name(methods.problem)));
@@ -146,9 +149,9 @@ impl Printer<'_> {
 }
 
 /// The target, and the solutions by the free joint.
-fn target_and_at(text: &mut Text, methods: &Methods<'_>) {
+fn target_and_at(text: &mut Text, methods: &Methods<'_>, none: &str) {
     text.laid_out(&statement(text.indent(), "let target =", &methods.arguments.target, ";"));
-    text.line(format!("let at = |free| {}(target, &[free]);", private_name(methods.problem)));
+    text.line(format!("let at = |free| {}(target, &[free], {none});", private_name(methods.problem)));
 }
 
 /// `REDUNDANCY`, `REDUNDANCY_TOOL_DOWN`

@@ -142,6 +142,9 @@ fn hollow_plan(model: &Model) -> Plan {
         outputs: vec![Scalar::Number(0.0); outputs],
         counts: Counts::default(),
         stages: Vec::new(),
+        unknowns: Vec::new(),
+        constraints: Vec::new(),
+        agreement: None,
     };
     let forward = [
         (FunctionKind::Fk, 12),

@@ -120,7 +120,7 @@ impl Printer<'_> {
         let info = self.paths.runtime("ProblemInfo");
         let inverse: Vec<_> = self.inverse_functions().collect();
         let ty = format!("[{info}<'static>; {}]", inverse.len());
-        self.table(text, "PROBLEMS", &ty, "The inverse problems that are solved.", |_| {
+        self.table(text, "PROBLEMS", &ty, "The inverse problems that are solved.", |numbers| {
             let problems = inverse.iter().map(|(function, problem)| {
                 let kind = self.paths.runtime("TargetKind");
                 let (name, target) = match problem {
@@ -128,7 +128,25 @@ impl Printer<'_> {
                     None => (self.paths.runtime("FULL_POSE"), Target::Pose),
                 };
                 let free: Vec<_> = function.free.iter().map(ToString::to_string).collect();
-                format!("{info} {{ name: {name}, target: {kind}::{target:?}, free: &[{}] }}", free.join(", "))
+                let constraints = function.constraints.iter().map(|term| {
+                    let ty = self.paths.runtime("ConstraintTerm");
+                    let joint = match term.joint {
+                        Some(joint) => format!("{}({joint})", self.paths.prelude("Some")),
+                        None => self.paths.prelude("None"),
+                    };
+                    // Of type f64, whatever the scalar is.
+                    let coefficient = number(term.coefficient, super::ScalarType::F64, &self.paths);
+                    let approximate = coefficient.contains('.') && looks_approximate(term.coefficient);
+                    numbers.approximate.set(numbers.approximate.get() || approximate);
+                    let equation = term.equation;
+                    format!("{ty} {{ equation: {equation}, joint: {joint}, coefficient: {coefficient} }}")
+                });
+                let constraints: Vec<_> = constraints.collect();
+                format!(
+                    "{info} {{ name: {name}, target: {kind}::{target:?}, free: &[{}], constraints: &[{}] }}",
+                    free.join(", "),
+                    constraints.join(", ")
+                )
             });
             list(problems, "[", "]")
         });

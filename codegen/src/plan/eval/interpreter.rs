@@ -3,12 +3,12 @@
 use super::routine::Routine;
 use super::run::{self, Registers};
 use super::trace::Event;
-use super::{PlanError, Program, robot};
+use super::{Given, PlanError, Program, robot};
 use crate::model::Problem;
 use crate::plan::{Function, FunctionKind};
 use dh_core::{
     Bound, FULL_POSE, Float, Frame, IkError, Joint, KeepOut, Kinematics, LengthError, ProblemInfo,
-    Redundancy, Rules, SolutionSet, SumLimit, Target, TargetKind, Winding,
+    Redundancy, Rules, Seed, SolutionSet, SumLimit, Target, TargetKind, Winding,
 };
 
 /// An arm of a table read at run time: [`Kinematics`] by running a [`Program`], and traces of such runs.
@@ -58,8 +58,14 @@ impl<'p, S: Float> Interpreter<'p, S> {
                     name: &problem.name,
                     target: robot::target_kind(problem.target),
                     free: &function.free,
+                    constraints: &function.constraints,
                 },
-                None => ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &function.free },
+                None => ProblemInfo {
+                    name: FULL_POSE,
+                    target: TargetKind::Pose,
+                    free: &function.free,
+                    constraints: &function.constraints,
+                },
             });
             indices.push(index);
         }
@@ -88,7 +94,7 @@ impl<'p, S: Float> Interpreter<'p, S> {
         Ok(run::frame(&self.fk.routine.outputs, &registers))
     }
 
-    /// [`Kinematics::ik_into`], telling an observer every named step, which roots every stage has and what becomes of
+    /// [`Kinematics::ik_seeded_into`], telling an observer every named step, which roots every stage has and what becomes of
     /// every candidate. `free` are the values (rad or m) of the problem's free joints.
     ///
     /// # Errors
@@ -98,6 +104,7 @@ impl<'p, S: Float> Interpreter<'p, S> {
         problem: &str,
         target: &Target<S>,
         free: &[S],
+        seed: Option<Seed<'_, S>>,
         out: &mut SolutionSet<S>,
         observer: impl FnMut(Event<'_, S>),
     ) -> Result<(), IkError<S>> {
@@ -111,10 +118,13 @@ impl<'p, S: Float> Interpreter<'p, S> {
             return Err(IkError::WrongTarget { expected: info.target });
         }
         LengthError::check(info.free.len(), free.len())?;
+        if let Some(seed) = seed {
+            LengthError::check(self.joints.len(), seed.q.len())?;
+        }
         let target = target.validate()?;
         let solutions = self
             .program
-            .inverse(*index, &target, free, &self.windings, observer)
+            .inverse(*index, &target, Given { free, seed }, &self.windings, observer)
             .ok_or(IkError::UnknownProblem)??;
         out.fill(self.joints.len(), &solutions);
         Ok(())
@@ -192,29 +202,30 @@ impl<S: Float> Kinematics<S> for Interpreter<'_, S> {
         Ok(())
     }
 
-    fn ik_into(&self, problem: &str, target: &Target<S>, out: &mut SolutionSet<S>) -> Result<(), IkError<S>> {
-        match self.redundancy(problem) {
-            Some(redundancy) => redundancy.sweep_into(self, problem, target, out),
-            None => self.trace_ik(problem, target, &[], out, |_| ()),
-        }
-    }
-
-    fn ik_at_into(
+    fn ik_seeded_into(
         &self,
         problem: &str,
         target: &Target<S>,
         free: &[S],
+        seed: Option<Seed<'_, S>>,
         out: &mut SolutionSet<S>,
     ) -> Result<(), IkError<S>> {
-        self.trace_ik(problem, target, free, out, |_| ())
+        self.trace_ik(problem, target, free, seed, out, |_| ())
     }
 
     fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, S>> {
         let place = self.problems.iter().position(|info| info.name == problem)?;
         let [joint] = self.problems.get(place)?.free else { return None };
         let reach = S::from_f64(self.program.model.reach());
-        let problem = self.indices.get(place)?.and_then(|index| self.program.model.problems.get(index));
-        let whole_pose = problem.is_none_or(Problem::is_whole_pose);
-        Some(Redundancy { joint: *joint, rules: self.rules(), reach, whole_pose })
+        let index = *self.indices.get(place)?;
+        let problem = index.and_then(|index| self.program.model.problems.get(index));
+        let redundancy = if problem.is_none_or(Problem::is_whole_pose) {
+            Redundancy::of_pose(*joint, self.rules(), reach)
+        } else {
+            Redundancy::of_problem(*joint, self.rules(), reach)
+        };
+        let searched =
+            self.program.find(&FunctionKind::Inverse(index)).is_some_and(|(names, _)| names.is_searched());
+        Some(if searched { redundancy.searched() } else { redundancy })
     }
 }

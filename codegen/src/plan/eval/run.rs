@@ -5,7 +5,7 @@ use super::routine::{self, General, Instruction, Kernel, Register, Routine, Solv
 use super::trace::Event;
 use crate::plan::Function;
 use dh_core::{
-    Condition, Float, Frame, IkError, MAX_JOINTS, Near, Nearly, Roots, Search, Solutions, Target, Winding,
+    Candidates, Condition, Float, Frame, IkError, MAX_JOINTS, Near, Nearly, Roots, Search, Solutions, Target, Wanted, Winding,
     residual_tolerance,
 };
 
@@ -106,6 +106,8 @@ pub(super) struct Inverse<'r, S, F> {
     pub(super) filters: &'r [Filter<S>],
     pub(super) observer: F,
     pub(super) windings: &'r [Winding<'r, S>],
+    /// Where the target leaves unknowns free.
+    pub(super) wanted: &'r Wanted<MAX_JOINTS, S>,
     pub(super) search: Searching<'r, S>,
 }
 
@@ -119,7 +121,7 @@ pub(super) enum Searching<'w, S> {
 impl<S: Float> Searching<'_, S> {
     pub(super) fn finish(self) -> Result<Solutions<MAX_JOINTS, S>, IkError<S>> {
         match self {
-            Self::Exact(search) => search.finish(),
+            Self::Exact(mut search) => search.finish(),
             Self::Near(_) => Err(IkError::NotFinite),
             Self::Done(answer) => answer,
         }
@@ -154,6 +156,13 @@ impl<S: Float> Searching<'_, S> {
             Self::Exact(search) => solved!(search),
             Self::Near(near) => solved!(near),
             Self::Done(_) => Roots::NONE,
+        }
+    }
+
+    fn next_candidate(&mut self, candidates: &mut Candidates<S>) -> Option<[S; 6]> {
+        match self {
+            Self::Exact(search) => search.next_candidate(candidates),
+            Self::Near(_) | Self::Done(_) => None,
         }
     }
 
@@ -203,7 +212,7 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
             return;
         };
         let mut roots = self.search.roots(*step, solve.equation, registers);
-        let count = roots.into_iter().count();
+        let count = roots.len();
         (self.observer)(Event::Stage { index: solve.stage, stage, roots: count });
         let mut number = 0;
         while let Some(root) = self.next(solve, &mut roots, registers) {
@@ -223,15 +232,17 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
         };
         let given: Vec<S> = general.given.iter().map(|register| registers.get(*register)).collect();
         let Searching::Exact(search) = &mut self.search else { return };
-        let candidates = search.general(*step, &general.chain.arm(), self.target, &given);
-        (self.observer)(Event::Stage { index: general.stage, stage, roots: candidates.as_slice().len() });
-        for (number, values) in candidates.into_iter().enumerate() {
+        let mut candidates = search.general(*step, &general.chain.arm(), self.target, &given);
+        (self.observer)(Event::Stage { index: general.stage, stage, roots: candidates.len() });
+        let mut number = 0;
+        while let Some(values) = self.search.next_candidate(&mut candidates) {
             for (root, value) in general.roots.iter().zip(values) {
                 registers.set(*root, value);
                 let name = self.names.values.get(*root).map_or("", String::as_str);
                 (self.observer)(Event::Root { stage: general.stage, number, name, value });
             }
             self.block(&general.body, registers);
+            number += 1;
         }
         (self.observer)(Event::Done { stage: general.stage });
     }
@@ -240,8 +251,8 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
         let nearly = Nearly { unknowns: near.nearly.unknowns, gains: &near.nearly.gains };
         self.search = Searching::Near(Near::new(self.reach, self.windings, &nearly));
         self.block(&near.body, registers);
-        let new = Searching::Exact(Search::new(self.reach, self.windings));
-        let Searching::Near(search) = std::mem::replace(&mut self.search, new) else { return };
+        let new = Searching::Exact(Search::about(self.reach, self.windings, self.wanted));
+        let Searching::Near(mut search) = std::mem::replace(&mut self.search, new) else { return };
         match search.finish() {
             Some(answer) => self.search = Searching::Done(answer),
             None => self.block(&near.otherwise, registers),

@@ -154,7 +154,7 @@ fn traces_tell_every_step_in_order() {
         assert_eq!(steps[4].1, tool.translation[0]);
         let mut events = Vec::new();
         let target = Target::Xy([0.25, 0.3]);
-        arm.trace_ik("point", &target, &[], &mut SolutionSet::new(), |event| {
+        arm.trace_ik("point", &target, &[], None, &mut SolutionSet::new(), |event| {
             events.push(match event {
                 Event::Value { name, .. } => name.to_owned(),
                 Event::Stage { index, stage, roots } => format!("stage {index} {}: {roots}", stage.unknown),
@@ -174,11 +174,12 @@ fn traces_tell_every_step_in_order() {
             [vec!["stage 0 theta2: 2".to_owned()], branch(0), branch(1), vec!["done 0".to_owned()]].concat();
         assert_eq!(events, expected);
         let mut dead = Vec::new();
-        let far = arm.trace_ik("point", &Target::Xy([2.0, 0.0]), &[], &mut SolutionSet::new(), |event| {
-            if let Event::Stage { index, roots, .. } = event {
-                dead.push((index, roots));
-            }
-        });
+        let far =
+            arm.trace_ik("point", &Target::Xy([2.0, 0.0]), &[], None, &mut SolutionSet::new(), |event| {
+                if let Event::Stage { index, roots, .. } = event {
+                    dead.push((index, roots));
+                }
+            });
         assert!(matches!(far, Err(IkError::Unreachable { .. })));
         assert_eq!(dead, [(0, 0)]);
     });

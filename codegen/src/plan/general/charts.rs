@@ -81,7 +81,11 @@ fn candidates(chain: &GeneralChain) -> Vec<Chart> {
 
 /// The chart with the least degree that is high enough.
 fn with_degree(chart: Chart, trials: &[Trial<'_>]) -> Option<Chart> {
-    DEGREES.into_iter().map(|degree| Chart { degree, ..chart }).find(|chart| {
+    let mut degrees = DEGREES.into_iter().flat_map(|degree| {
+        // By symmetry of the arm it may repeat itself after half a turn.
+        [2, 1].map(|periods| Chart { degree: degree / periods, ..chart }.repeated(periods))
+    });
+    degrees.find(|chart| {
         let accurate = |trial: &Trial<'_>| trial.six.noise(*chart, &trial.pose) < ACCURATE;
         trials.iter().take(2).all(accurate)
     })

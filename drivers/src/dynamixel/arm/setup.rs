@@ -13,7 +13,7 @@ use crate::dynamixel::packet::MAX_ID;
 use std::f64::consts::TAU;
 use std::time::Duration;
 
-const NAME: &str = "connect";
+pub(super) const NAME: &str = "connect";
 /// How much faster than the joint's greatest velocity a servo may go to catch up with a stream.
 const CATCHING_UP: f64 = 1.2;
 /// The shortest period of a stream.
@@ -62,7 +62,20 @@ pub(super) fn connect(mut bus: Bus, mut map: JointMap, settings: Settings) -> Re
     let servos: Vec<Servo> = servos.into_iter().map(|(servo, _)| servo).collect();
     let period = settings.period.unwrap_or_else(|| period(&bus, servos.len()));
     let (torque, seen) = (Torque::Off, Seen::default());
-    Ok(Arm { bus, map, servos, settings, period, torque, armed: None, braking: true, fault: None, seen })
+    let attached = Vec::new();
+    Ok(Arm {
+        bus,
+        map,
+        servos,
+        attached,
+        settings,
+        period,
+        torque,
+        armed: None,
+        braking: true,
+        fault: None,
+        seen,
+    })
 }
 
 /// As often as the line allows: a goal for each servo and a read of their state, and a quarter more.
@@ -75,7 +88,7 @@ fn period(bus: &Bus, servos: usize) -> Duration {
 }
 
 /// The servo of a joint and the greatest velocity (rad/s or m/s) that it allows; or why it is not the one.
-fn find(
+pub(super) fn find(
     bus: &mut Bus,
     joint: &DeviceJoint,
     id: u8,

@@ -37,7 +37,8 @@ impl<D: Driver> Robot<'_, D> {
         };
         let fingerprint = self.arm().fingerprint();
         let mut commands = checked.legs.iter().flat_map(|leg| &leg.commands);
-        if commands.any(|command| command.fingerprint() != fingerprint) {
+        let other = commands.any(|command| command.fingerprint() != fingerprint);
+        if other || checked.origin != self.planner.origin() {
             return Err(MotionError::OtherArm);
         }
         let seen = self.read()?.positions();
@@ -50,7 +51,7 @@ impl<D: Driver> Robot<'_, D> {
         if !self.torque {
             self.hold()?;
         }
-        self.driver.watchdog(Some(self.settings.watchdog))?;
+        self.watchdog = self.driver.watchdog(Some(self.settings.watchdog))?;
         self.under_way = true;
         let outcome = self.legs(checked, watch);
         let outcome = outcome.or_else(|error| self.after(error));
@@ -221,7 +222,10 @@ impl<D: Driver> Robot<'_, D> {
                 let _ = self.wait_for_rest();
                 Err(error)
             }
-            Err(stop) => Err(MotionError::NotStopped { first: Box::new(error), stop: Box::new(stop) }),
+            Err(stop) => {
+                let (first, stop) = (Box::new(error), Box::new(stop));
+                Err(MotionError::NotStopped { first, stop, watchdog: self.watchdog })
+            }
         }
     }
 }

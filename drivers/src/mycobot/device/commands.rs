@@ -49,14 +49,6 @@ impl MyCobot {
         })
     }
 
-    /// Forgets what is latched, so that it moves again.
-    ///
-    /// # Errors
-    /// [`DriverError`]
-    pub fn clear_error(&mut self) -> Result<(), DriverError> {
-        self.call(|arm| arm.link.acknowledge(&Request::plain(C::ClearErrorInformation)))
-    }
-
     /// Whether a new goal replaces the one before (true, what [`Driver::torque`](crate::Driver::torque) sets) or waits until that is reached.
     ///
     /// # Errors

@@ -12,7 +12,7 @@ use crate::simulate::Faults;
 use dh_runtime::Kinematics;
 
 /// No call takes longer, the stop of an arm that is given up on included.
-const LONGEST: Duration = Duration::from_secs(7);
+const LONGEST: Duration = Duration::from_millis(5_600);
 
 /// Joint values of the table (rad), evenly spread and repeatable.
 struct Draw(u64);
@@ -64,7 +64,7 @@ fn ten_thousand_operations_on_a_bad_line() {
     let mut draw = Draw(7);
     while outcome.operations < 10_000 {
         if operation(&mut bench, &mut outcome, |driver| driver.torque(true)).is_none()
-            || operation(&mut bench, &mut outcome, MyCobot::clear_error).is_none()
+            || operation(&mut bench, &mut outcome, Driver::clear_faults).is_none()
         {
             continue;
         }

@@ -1,14 +1,16 @@
 //! A good line.
 
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use dh_runtime::Kinematics;
 
-use super::super::{ArmError, GripperState, Model, Request};
+use super::super::{ArmError, GripperState, Model, MyCobot, Request, SimulatedMyCobot};
 use super::{Arm, Bench, FULL, TENTH, apart};
-use crate::clock::Clock;
-use crate::driver::{Cause, Driver, Pace, Watchdog};
+use crate::clock::{Clock, Time, VirtualClock};
+use crate::driver::{Cause, Driver, JointMap, Pace, Watchdog};
 use crate::motion::Command;
+use crate::simulate::{SimulatedDevice, SimulatedPort};
 
 #[test]
 fn it_goes_where_it_is_told_and_says_so() {
@@ -179,7 +181,7 @@ fn latched_errors_are_told_and_nothing_is_sent_until_they_are_cleared() {
     assert_eq!(state.fault.map(|fault| fault.code), Some(17));
     let error = bench.driver.send(&Bench::goal([0.0; 6], 10.0)).unwrap_err();
     assert_eq!(error.to_string(), "simulated, send_angles: fault: collision protection (17)");
-    bench.driver.clear_error().unwrap();
+    bench.driver.clear_faults().unwrap();
     bench.driver.send(&Bench::goal([0.0; 6], 50.0)).unwrap();
     assert!(apart(&bench.arrive(), &[0.0; 6]) < TENTH);
 
@@ -212,11 +214,66 @@ fn without_power_or_torque_it_does_not_move() {
     assert!(!bench.driver.is_powered().unwrap());
     let start = bench.clock.now();
     let error = bench.driver.read_state().unwrap_err();
-    assert!(matches!(error.cause, Cause::Silent { .. }), "{error}");
-    assert_eq!(error.command, "get_angles");
+    assert_eq!((error.command, error.cause), ("get_angles", Cause::PowerOff));
     assert!(bench.clock.now().since(start) <= Duration::from_secs(4));
 
     bench.driver.torque(true).unwrap();
     bench.driver.send(&Bench::goal([10.0; 6], 20.0)).unwrap();
     assert!(apart(&bench.arrive(), &[10_f64.to_radians(); 6]) < TENTH);
+}
+
+/// At rest it says how hot its servos are; what it cannot say is not asked for again.
+#[test]
+fn temperatures_are_told_at_rest() {
+    let mut bench = Bench::new(Model::Pi);
+    let temperatures = |state: crate::driver::State| -> Vec<Option<f64>> {
+        state.joints.iter().map(|joint| joint.temperature).collect()
+    };
+    let told = [31.0, 32.0, 32.0, 31.0, 30.0, 30.0].map(Some);
+    assert_eq!(temperatures(bench.driver.read_state().unwrap()), told);
+    let requests = |bench: &Bench| bench.device().device.requests();
+    let before = requests(&bench);
+    assert_eq!(temperatures(bench.driver.read_state().unwrap()), told);
+    let plain = requests(&bench) - before;
+    bench.pass(Duration::from_secs(3));
+    let before = requests(&bench);
+    bench.driver.read_state().unwrap();
+    assert_eq!(requests(&bench) - before, plain + 1, "asked for again after a while, and not each time");
+}
+
+/// Deaf until a time.
+#[derive(Debug)]
+struct Starting<D>(D, Time);
+
+impl<D: SimulatedDevice> SimulatedDevice for Starting<D> {
+    fn receive(&mut self, bytes: &[u8], now: Time) {
+        if now >= self.1 {
+            self.0.receive(bytes, now);
+        }
+    }
+    fn advance(&mut self, now: Time) {
+        self.0.advance(now);
+    }
+    fn next_send(&self) -> Option<Time> {
+        self.0.next_send()
+    }
+    fn send(&mut self, now: Time) -> Option<Vec<u8>> {
+        self.0.send(now)
+    }
+}
+
+/// Opening its port starts an M5 anew: it is waited for. A Pi that is silent is silent.
+#[test]
+fn an_m5_that_starts_is_waited_for() {
+    for (model, waits) in [(Model::M5, true), (Model::Pi, false)] {
+        let clock = Arc::new(VirtualClock::new());
+        let arm = SimulatedMyCobot::new(Box::new(Arm), model).unwrap();
+        let device = Starting(arm, Time::START + Duration::from_millis(1_600));
+        let port = SimulatedPort::new(Arc::new(Mutex::new(device)), Arc::clone(&clock) as Arc<dyn Clock>);
+        let joints = JointMap::of_table(&Arm).unwrap();
+        let mut driver = MyCobot::new(Box::new(port), joints, model).unwrap();
+        let outcome = driver.read_state();
+        assert_eq!(outcome.is_ok(), waits, "{outcome:?}");
+        assert!(clock.now().since_start() < Duration::from_millis(2_500));
+    }
 }

@@ -13,6 +13,9 @@ pub struct TcpLine {
     stream: Option<TcpStream>,
 }
 
+/// Somebody who takes nothing for so long is gone.
+const UNREAD: Duration = Duration::from_secs(1);
+
 /// How often it is looked whether somebody comes.
 const LISTENING: Duration = Duration::from_millis(10);
 
@@ -33,6 +36,7 @@ impl TcpLine {
             Ok((stream, _)) => {
                 stream.set_nonblocking(false)?;
                 stream.set_nodelay(true)?;
+                stream.set_write_timeout(Some(UNREAD))?;
                 self.stream = Some(stream);
             }
             Err(error) if error.kind() == ErrorKind::WouldBlock => std::thread::sleep(timeout.min(LISTENING)),
@@ -52,6 +56,8 @@ impl Line for TcpLine {
             self.let_in(timeout)?;
             return Ok(0);
         };
+        // A line has one end: whoever comes while it is taken is sent away, and sees that at once.
+        drop(self.listener.accept());
         stream.set_read_timeout(Some(timeout.max(Duration::from_micros(1))))?;
         match stream.read(buffer) {
             Ok(count) if count > 0 => return Ok(count),

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each program uses some of it")]
 
 use std::error::Error;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -56,8 +56,10 @@ impl DeviceFlags {
         mut joints: JointMap,
     ) -> Result<(Box<dyn Port>, JointMap), Failure> {
         if let Some(path) = &self.unit {
-            let unit = Unit::parse(&std::fs::read_to_string(path)?)?;
-            unit.apply(&mut joints)?;
+            let name = path.display();
+            let text = std::fs::read_to_string(path).map_err(|error| format!("{name}: {error}"))?;
+            let unit = Unit::parse(&text).map_err(|error| format!("{name}:{error}"))?;
+            unit.apply(&mut joints).map_err(|error| format!("{name}: {error}"))?;
         }
         let line = match &self.place.port {
             Some(name) => port::open(name, settings.baud, Arc::new(RealClock::new()))?,
@@ -120,10 +122,12 @@ pub(crate) fn numbers<const N: usize>(line: &str) -> Result<[f64; N], Failure> {
     numbers.try_into().map_err(|_| format!("{count} numbers where {N} are needed").into())
 }
 
-/// Lines from the keyboard, each asked for.
+/// Lines from the keyboard, each asked for; lines of a file come unasked.
 pub(crate) fn ask(prompt: &str) -> Result<Option<String>, Failure> {
-    eprint!("{prompt}");
-    io::stderr().flush()?;
+    if io::stdin().is_terminal() {
+        eprint!("{prompt}");
+        io::stderr().flush()?;
+    }
     let mut line = String::new();
     Ok((io::stdin().read_line(&mut line)? > 0).then(|| line.trim().to_owned()))
 }

@@ -1,0 +1,247 @@
+//! Solutions that form a curve: the arm moves, its tip stays.
+
+use super::jacobian::pose_and_jacobian;
+use super::{FOUND, JOINTS, STEPS, SixJoints};
+use crate::polish::polish;
+use crate::{Float, Frame};
+
+/// The smallest pivot of the Jacobian (in reaches and rad) at which joints may move by themselves. Solutions that have met
+/// are known to 1e-8 or so, and so is a Jacobian that vanishes there.
+const SINGULAR: f64 = 1e-6;
+
+/// How far (rad, reaches) joint values are moved to see whether there is a curve.
+const TRIALS: [f64; 3] = [0.02, 0.05, 0.1];
+
+/// The longest step along a curve (rad, reaches).
+const LONGEST: f64 = 0.25;
+
+/// How many steps along a curve are made.
+const MOST: usize = 80;
+
+/// The nearest point is found when the next step is shorter than this (rad, reaches).
+const ARRIVED: f64 = 1e-10;
+
+/// A point of a curve of solutions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct OnCurve {
+    /// Joint values (rad, m).
+    pub(crate) q: [f64; JOINTS],
+    /// The joint that takes the greatest part.
+    pub(crate) joint: usize,
+}
+
+impl SixJoints<'_> {
+    /// Where solutions for a pose form a curve through this one (rad, m): the point of it, downhill from here, that is
+    /// nearest to what is wanted (rad, m; NaN where nothing is), or from there on until the joint that takes the greatest
+    /// part has gone so many half turns (reaches).
+    pub(crate) fn on_curve(
+        &self,
+        pose: &Frame,
+        q: &[f64; JOINTS],
+        wanted: &[f64; JOINTS],
+        aside: f64,
+    ) -> Option<OnCurve> {
+        let curve = Curve { arm: self.scaled(), target: self.in_reaches(pose) };
+        let in_reaches = |q: &[f64; JOINTS]| {
+            let mut q = *q;
+            self.each_slide(&mut q, |value| value / self.reach);
+            q
+        };
+        let start = in_reaches(q);
+        let directions = curve.directions(&start);
+        let tangent = *directions.as_slice().iter().find(|direction| curve.goes_on(&start, direction))?;
+        let mut q = curve.nearest(start, &in_reaches(wanted));
+        let joint = greatest(&curve.tangent(&q).unwrap_or(tangent));
+        if aside != 0.0 {
+            q = curve.along(q, joint, aside * if self.slides(joint) { 1.0 } else { core::f64::consts::PI });
+        }
+        self.each_slide(&mut q, |value| value * self.reach);
+        Some(OnCurve { q, joint })
+    }
+
+    /// Whether joints may move by themselves there (rad, m), to first order.
+    pub(crate) fn is_singular(&self, q: &[f64; JOINTS]) -> bool {
+        let mut q = *q;
+        self.each_slide(&mut q, |value| value / self.reach);
+        null_space(&pose_and_jacobian(&self.scaled(), &q).1).count > 0
+    }
+
+    fn slides(&self, joint: usize) -> bool {
+        self.prismatic.get(joint).copied().unwrap_or(false)
+    }
+
+    fn each_slide(&self, q: &mut [f64; JOINTS], change: impl Fn(f64) -> f64) {
+        let slides = q.iter_mut().zip(self.prismatic).filter(|(_, slides)| *slides);
+        slides.for_each(|(value, _)| *value = change(*value));
+    }
+}
+
+/// Joint values, in rad and reaches, that keep a pose.
+struct Curve<'a> {
+    arm: SixJoints<'a>,
+    target: Frame,
+}
+
+impl Curve<'_> {
+    /// Directions in which the tip stays, to first order.
+    fn directions(&self, q: &[f64; JOINTS]) -> Directions {
+        null_space(&pose_and_jacobian(&self.arm, q).1)
+    }
+
+    /// One of them.
+    fn tangent(&self, q: &[f64; JOINTS]) -> Option<[f64; JOINTS]> {
+        self.directions(q).as_slice().first().copied()
+    }
+
+    /// The solution near joint values.
+    fn onto(&self, q: &[f64; JOINTS]) -> Option<[f64; JOINTS]> {
+        let solution = polish(*q, &self.target, 1.0, STEPS, |q| pose_and_jacobian(&self.arm, q));
+        (Float::max(solution.position_error, solution.rotation_error) <= FOUND).then_some(solution.q)
+    }
+
+    /// The solution a step along the curve, unless there is none or it is the same again.
+    fn step(&self, q: &[f64; JOINTS], tangent: &[f64; JOINTS], length: f64) -> Option<[f64; JOINTS]> {
+        let next = self.onto(&moved(q, tangent, length))?;
+        let gone = difference(&next, q);
+        (dot(&gone, tangent) * length >= 0.5 * length * length).then_some(next)
+    }
+
+    /// Whether there are solutions at several distances, on one side or the other.
+    fn goes_on(&self, q: &[f64; JOINTS], tangent: &[f64; JOINTS]) -> bool {
+        [1.0, -1.0]
+            .iter()
+            .any(|side| TRIALS.iter().all(|length| self.step(q, tangent, side * length).is_some()))
+    }
+
+    /// Downhill from a point of the curve, or of the surface where joints may move by themselves in several ways.
+    fn nearest(&self, start: [f64; JOINTS], wanted: &[f64; JOINTS]) -> [f64; JOINTS] {
+        let mut q = start;
+        // The whole turns that are nearest to what is wanted.
+        let turns = q
+            .iter_mut()
+            .zip(wanted)
+            .zip(self.arm.prismatic)
+            .filter(|((_, wanted), slides)| !slides && wanted.is_finite());
+        turns.for_each(|((value, wanted), _)| *value = wanted + (*value - wanted).wrap_angle());
+        let mut longest = LONGEST;
+        for _ in 0..MOST {
+            let missing = missing(&q, wanted);
+            let downhill = self.directions(&q).part(&missing);
+            let slope = libm::sqrt(dot(&downhill, &downhill));
+            if !(slope > ARRIVED && longest > ARRIVED) {
+                break;
+            }
+            let share = Float::min(longest / slope, 1.0);
+            let next = self.onto(&moved(&q, &downhill, share));
+            let nearer = |next: &[f64; JOINTS]| square(&self::missing(next, wanted)) < square(&missing);
+            match next.filter(nearer) {
+                Some(next) => q = next,
+                None => longest = share * slope / 4.0,
+            }
+        }
+        q
+    }
+
+    /// From a point of the curve until a joint has gone this far (rad, reaches), or the curve turns back.
+    fn along(&self, start: [f64; JOINTS], joint: usize, distance: f64) -> [f64; JOINTS] {
+        let own = |q: &[f64; JOINTS]| q.get(joint).copied().unwrap_or(0.0);
+        let (mut q, from) = (start, own(&start));
+        for _ in 0..MOST {
+            let left = distance - (own(&q) - from);
+            let Some(tangent) = self.tangent(&q).filter(|_| libm::fabs(left) > ARRIVED) else { break };
+            let length = Float::max(Float::min(left / own(&tangent), LONGEST), -LONGEST);
+            let Some(next) = self.step(&q, &tangent, length) else { break };
+            q = next;
+        }
+        q
+    }
+}
+
+fn dot(a: &[f64; JOINTS], b: &[f64; JOINTS]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn square(a: &[f64; JOINTS]) -> f64 {
+    dot(a, a)
+}
+
+/// How far joint values are from what is wanted, where something is.
+fn missing(q: &[f64; JOINTS], wanted: &[f64; JOINTS]) -> [f64; JOINTS] {
+    difference(wanted, q).map(|way| if way.is_finite() { way } else { 0.0 })
+}
+
+fn difference(a: &[f64; JOINTS], b: &[f64; JOINTS]) -> [f64; JOINTS] {
+    moved(a, b, -1.0)
+}
+
+/// q + length * direction
+fn moved(q: &[f64; JOINTS], direction: &[f64; JOINTS], length: f64) -> [f64; JOINTS] {
+    let mut q = *q;
+    q.iter_mut().zip(direction).for_each(|(value, part)| *value += length * part);
+    q
+}
+
+/// The place of the greatest entry.
+fn greatest(direction: &[f64; JOINTS]) -> usize {
+    let sizes = direction.iter().map(|part| libm::fabs(*part)).enumerate();
+    sizes.fold((0, 0.0), |best, (place, size)| if size > best.1 { (place, size) } else { best }).0
+}
+
+/// Directions of length 1, across each other.
+struct Directions {
+    list: [[f64; JOINTS]; JOINTS],
+    count: usize,
+}
+
+impl Directions {
+    fn as_slice(&self) -> &[[f64; JOINTS]] {
+        self.list.get(..self.count).unwrap_or(&self.list)
+    }
+
+    /// The part of a vector that is along them.
+    fn part(&self, vector: &[f64; JOINTS]) -> [f64; JOINTS] {
+        self.as_slice().iter().fold([0.0; JOINTS], |sum, own| moved(&sum, own, dot(vector, own)))
+    }
+
+    fn push(&mut self, vector: &[f64; JOINTS]) {
+        let across = moved(vector, &self.part(vector), -1.0);
+        let length = libm::sqrt(dot(&across, &across));
+        if let Some(slot) = self.list.get_mut(self.count) {
+            *slot = across.map(|part| part / length);
+            self.count += 1;
+        }
+    }
+}
+
+/// The combinations of columns that are next to nothing, by elimination with the greatest pivot each time.
+fn null_space(columns: &[[f64; 6]; JOINTS]) -> Directions {
+    // Column, and the combination of the given ones that it is.
+    let mut open: [([f64; 6], [f64; JOINTS]); JOINTS] = [([0.0; 6], [0.0; JOINTS]); JOINTS];
+    for (index, (slot, column)) in open.iter_mut().zip(columns).enumerate() {
+        slot.0 = *column;
+        if let Some(entry) = slot.1.get_mut(index) {
+            *entry = 1.0;
+        }
+    }
+    let mut directions = Directions { list: [[0.0; JOINTS]; JOINTS], count: 0 };
+    let mut open = open.as_mut_slice();
+    loop {
+        let [first, others @ ..] = open else { return directions };
+        for other in others.iter_mut() {
+            if square(&other.0) > square(&first.0) {
+                core::mem::swap(first, other);
+            }
+        }
+        let size = square(&first.0);
+        if size <= SINGULAR * SINGULAR {
+            directions.push(&first.1);
+        } else {
+            for (column, combination) in others.iter_mut() {
+                let share = dot(column, &first.0) / size;
+                *column = moved(column, &first.0, -share);
+                *combination = moved(combination, &first.1, -share);
+            }
+        }
+        open = others;
+    }
+}

@@ -1,0 +1,119 @@
+//! The nearest target that can be reached, where the one asked for can't be.
+
+use dh_core::{FULL_POSE, Frame, Limits, SolutionSet, Target};
+use dh_tests::engine;
+use dh_tests::oracle::Oracle;
+use std::f64::consts::PI;
+
+/// Two links of 0.3 and 0.2 m about the same axis, without limits: a ring.
+const RING: &str = "[robot]\nname = \"ring\"\nconvention = \"standard\"\n[[joint]]\na = 0.3\n[[joint]]\na = 0.2\n\
+    [[ik]]\nname = \"xy\"\ntarget = \"xy\"\n";
+
+/// The same, of which the first joint stops at 0.5 rad, and the second one stays where it is.
+const STOPPED: &str = "[robot]\nname = \"stopped\"\nconvention = \"standard\"\n[[joint]]\na = 0.3\nlimits = [-0.5, 0.5]\n\
+    [[joint]]\na = 0.2\nlimits = [-1e-9, 1e-9]\n[[ik]]\nname = \"xy\"\ntarget = \"xy\"\n";
+
+#[test]
+fn the_nearest_point_of_a_ring_is_on_the_line_to_its_middle() {
+    let arm = engine::interpreter(RING).unwrap();
+    for (radius, nearest) in [(0.7, 0.5), (5.0, 0.5), (0.04, 0.1), (0.3, 0.3)] {
+        for step in 0..12 {
+            let (sin, cos) = (f64::from(step) * PI / 6.0 + 0.1).sin_cos();
+            let found = arm.nearest_reachable("xy", &Target::Xy([radius * cos, radius * sin]), None).unwrap();
+            let [x, y, _] = found.tool.translation;
+            let off = (x - nearest * cos).hypot(y - nearest * sin);
+            assert!(off < 1e-6, "at {radius} m: {off:e} m off");
+            assert!((found.position_error - f64::abs(radius - nearest)).abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn limits_are_kept() {
+    let arm = engine::interpreter(STOPPED).unwrap();
+    let found = arm.nearest_reachable("xy", &Target::Xy([0.1, 0.6]), Some(&[-0.4, 0.0])).unwrap();
+    assert!(found.q()[0] <= 0.5 && found.q()[0] > 0.5 - 1e-9, "{:?}", found.q());
+    assert!(arm.check(found.q()).is_ok());
+}
+
+/// The same numbers on every run.
+struct Random(u64);
+
+impl Random {
+    /// In -1 ... 1.
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        f64::from((self.0 >> 40) as u32) / f64::from(1_u32 << 23) - 1.0
+    }
+}
+
+/// Poses that can be reached are their own nearest; of those that can't, no pose of joint values nearby, or drawn at
+/// random, is nearer than the one found.
+#[test]
+fn nothing_nearby_is_nearer() {
+    let mut random = Random(5);
+    for name in ["ur5", "puma560", "crx10ia_l", "panda", "irb120"] {
+        let (oracle, arm) = (Oracle::shipped(name).unwrap(), engine::shipped(name).unwrap());
+        let whole = Limits { min: -PI, max: PI };
+        let limits: Vec<_> = arm.joints().iter().map(|joint| joint.limits.unwrap_or(whole)).collect();
+        let frame = |q: &[f64]| {
+            let [x, y, z, _] = oracle.fk(q);
+            let rows = [x, y, z].map(|[a, b, c, p]| ([a, b, c], p));
+            Frame { rotation: rows.map(|row| row.0), translation: rows.map(|row| row.1) }
+        };
+        let mut any = || -> Vec<f64> {
+            let inside = |l: &Limits| l.min + f64::midpoint(random.next(), 1.0) * (l.max - l.min);
+            limits.iter().map(inside).collect()
+        };
+        // The way from frame to frame in the middle of the limits: the measure of lengths.
+        let mut frames = [Frame::IDENTITY; 16];
+        let middle: Vec<f64> = arm.joints().iter().map(|j| j.limits.map_or(0.0, |l| l.middle())).collect();
+        let count = arm.frames_into(&middle, &mut frames).unwrap();
+        frames[count] = arm.fk(&middle).unwrap();
+        let size: f64 = frames[..=count]
+            .windows(2)
+            .map(|pair| {
+                let [a, b] = [pair[0].translation, pair[1].translation];
+                a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+            })
+            .sum();
+        for number in 0..6 {
+            let mut pose = frame(&any());
+            let reached = arm.nearest_reachable(FULL_POSE, &Target::Pose(pose), None).unwrap();
+            assert!(reached.position_error < 1e-6 && reached.rotation_error < 1e-6, "{name}: {reached:?}");
+            pose.translation = pose.translation.map(|x| x * (3.0 + f64::from(number)));
+            let target = Target::Pose(pose);
+            let found = arm.nearest_reachable(FULL_POSE, &target, None).unwrap();
+            let mut set = SolutionSet::new();
+            // What was found can be asked for.
+            arm.ik_within(FULL_POSE, &Target::Pose(found.tool), Some(found.q()), &mut set).unwrap();
+            let miss = |q: &[f64]| {
+                let (position, rotation) = target.errors(&frame(q));
+                (position / size).powi(2) + rotation.powi(2)
+            };
+            let least = miss(found.q());
+            for number in 0..300 {
+                let any = any();
+                let away = [1.0, 0.03, 0.001][number % 3];
+                let between = any.iter().zip(found.q()).map(|(any, own)| own + away * (any - own));
+                let q: Vec<f64> = between.zip(&limits).map(|(value, limits)| limits.clamp(value)).collect();
+                assert!(miss(&q) > (1.0 - 1e-9) * least, "{name}: {:e} at {q:?}", 1.0 - miss(&q) / least);
+            }
+        }
+    }
+}
+
+/// Constraints of the table's problem hold at what is found.
+#[test]
+fn constraints_are_kept() {
+    let arm = engine::shipped("mycobot").unwrap();
+    for target in [[0.5, 0.1, 0.2], [0.0, 0.0, 0.6], [-0.3, -0.4, -0.1]] {
+        let found = arm.nearest_reachable("tool_down", &Target::Position(target), None).unwrap();
+        let q = found.q();
+        // theta = q + (0, 90, 0, 90, -90, 0) degrees, see `inverse`.
+        let down = (q[1] + q[2] + q[3] + PI / 2.0).sin().abs();
+        assert!(down < 1e-6 && q[4].abs() < 1e-6 && (q[5] - q[0]).sin().abs() < 1e-6, "{q:?}");
+        assert!(arm.check(q).is_ok() || arm.rules().bounds.len() + arm.rules().keep_out.len() > 0);
+        assert!(found.position_error > 0.01);
+    }
+}
