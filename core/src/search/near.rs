@@ -48,10 +48,10 @@ pub struct Near<'a, const N: usize, S = f64> {
 const STEPS: usize = 16;
 
 /// A coefficient is this many times what it may be off by, at least.
-const MARGIN: f64 = 4.0;
+const MARGIN: f64 = 2.0;
 
 /// Two rows have one direction more surely than two where what they are off by turns it by this much (rad).
-const UNSURE: f64 = 0.4;
+const UNSURE: f64 = 1.0;
 
 /// Cosine and sine that are off the unit circle by more than this belong to no root.
 const FALSE: f64 = 0.25;
@@ -112,7 +112,8 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let off = self.begin(step);
         let (square, inside) = (a * a + b * b, c * c);
         let rest = square - inside;
-        let margin = S::from_f64(MARGIN) * off;
+        // (h - c)(h + c) is twice as much off as h - c, in units of h.
+        let margin = S::TWO * S::from_f64(MARGIN) * off;
         if rest > S::ZERO && rest * rest > margin * margin * square {
             let root = rest.sqrt();
             self.end(step, off / root);
@@ -166,8 +167,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let h = if h1 > h2 { h1 } else { h2 };
         let inverse = S::ONE / determinant;
         let by = off * h.sqrt() * inverse.abs();
-        let unsure = if self.folds == 0 { UNSURE } else { 2.0 * UNSURE };
-        if !above(S::from_f64(unsure), by) {
+        if !above(S::from_f64(UNSURE), by) {
             return self.doubt();
         }
         let (cos, sin) = ((c1 * b2 - c2 * b1) * inverse, (a1 * c2 - a2 * c1) * inverse);
@@ -206,7 +206,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let (square, product) = (half * half, a * c);
         let rest = square - product;
         let size = half.abs() + a.abs() + c.abs();
-        let margin = S::from_f64(MARGIN) * off;
+        let margin = S::TWO * S::from_f64(MARGIN) * off;
         if !(above(rest.abs(), margin * size) && above(a.abs(), margin)) {
             return self.doubt();
         }

@@ -14,6 +14,9 @@ const ROUNDING: f64 = 16.0;
 /// An error of this many machine epsilons that a step didn't make much smaller is rounding, too.
 const SMALL: f64 = 1024.0;
 
+/// A step after which at most this many machine epsilons (reaches, rad) can be left is the last.
+const LEFT: f64 = 512.0;
+
 /// Without an exchange of rows, smaller pivots cost more digits than a step of Newton's method can spare.
 const SMALL_PIVOT: f64 = 1e-4;
 
@@ -33,6 +36,7 @@ pub(super) fn solve<const N: usize, S: Float>(
     mut pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
 ) -> Option<Polished<N, S>> {
     let (mut q, mut last) = (start, S::INFINITY);
+    let long = S::ONE.max(S::ONE / reach);
     for _ in 0..STEPS {
         let (tool, jacobian) = pose_and_jacobian(&q);
         let mut at = Equations::new(unknowns, &tool, &jacobian, target, reach)?;
@@ -51,8 +55,16 @@ pub(super) fn solve<const N: usize, S: Float>(
             return None;
         }
         last = error;
+        let mut length = S::ZERO;
         for (joint, change) in unknowns.iter().zip(at.solution()) {
             *q.get_mut(*joint)? += change;
+            length += change.abs();
+        }
+        // No second derivative of a pose by joint values is more than a reach (by a slide and a turn, 1).
+        let length = length * long;
+        let left = length * length;
+        if left <= S::from_f64(LEFT) * S::EPSILON {
+            return Some(Polished { q, position_error: left * reach, rotation_error: left });
         }
     }
     None
