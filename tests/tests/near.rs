@@ -155,7 +155,7 @@ fn what_a_pose_was_made_from_is_found_by_the_arm_that_was_meant() {
                 let pose = oracle.fk(&q);
                 let (mut set, mut fell) = (SolutionSet::new(), false);
                 let answer =
-                    arm.trace_ik(FULL_POSE, &Target::Pose(frame_of(&pose)), &[], &mut set, |event| {
+                    arm.trace_ik(FULL_POSE, &Target::Pose(frame_of(&pose)), &[], None, &mut set, |event| {
                         fell |= matches!(event, Event::Stage { stage, .. } if stage.rows == 0b11_1111);
                     });
                 fallen += usize::from(fell);
@@ -203,7 +203,7 @@ fn solutions_are_those_of_the_general_chain() {
                 let mut sets = [SolutionSet::new(), SolutionSet::new()];
                 let mut fell = false;
                 let [ours, theirs] = &mut sets;
-                near.trace_ik(FULL_POSE, &target, &[], ours, |event| {
+                near.trace_ik(FULL_POSE, &target, &[], None, ours, |event| {
                     fell |= matches!(event, Event::Stage { stage, .. } if stage.rows == 0b11_1111);
                 })
                 .unwrap();

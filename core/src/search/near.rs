@@ -50,8 +50,10 @@ const STEPS: usize = 16;
 /// A coefficient is this many times what it may be off by, at least.
 const MARGIN: f64 = 2.0;
 
-/// Two rows have one direction more surely than two where what they are off by turns it by this much (rad).
-const UNSURE: f64 = 1.0;
+/// Two rows may have any direction where what they are off by turns it by this much (rad): steps that follow are off in
+/// proportion to what earlier ones are, up to here. Where none follows, the whole pose decides.
+const UNSURE: f64 = 0.4;
+const UNSURE_AT_LAST: f64 = 1.0;
 
 /// Cosine and sine that are off the unit circle by more than this belong to no root.
 const FALSE: f64 = 0.25;
@@ -78,7 +80,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     fn begin(&mut self, step: Step) -> S {
         self.folds &= !super::bit(step);
         let index = usize::from(step.index);
-        let first = index * (index + 3) / 2;
+        let first = row(index);
         let Some([deviation, share, gains @ ..]) = self.gains.get(first..first + index + 2) else {
             return S::INFINITY;
         };
@@ -89,6 +91,11 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             off += S::from_f64(if alone { *gain } else { *gain * *share }) * *by;
         }
         off * step.measure.scale(self.search.reach)
+    }
+
+    /// Whether it is the last one.
+    fn is_last(&self, step: Step) -> bool {
+        row(usize::from(step.index) + 1) == self.gains.len()
     }
 
     /// Notes by how much (rad, reaches) the unknown of a step may be off.
@@ -167,7 +174,8 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let h = if h1 > h2 { h1 } else { h2 };
         let inverse = S::ONE / determinant;
         let by = off * h.sqrt() * inverse.abs();
-        if !above(S::from_f64(UNSURE), by) {
+        let unsure = if self.is_last(step) { UNSURE_AT_LAST } else { UNSURE };
+        if !above(S::from_f64(unsure), by) {
             return self.doubt();
         }
         let (cos, sin) = ((c1 * b2 - c2 * b1) * inverse, (a1 * c2 - a2 * c1) * inverse);
@@ -303,6 +311,11 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     pub fn finish(&mut self) -> Option<Result<Solutions<N, S>, IkError<S>>> {
         if self.doubtful { None } else { Some(self.search.finish()) }
     }
+}
+
+/// Where the gains of a step begin: step i has i + 2 of them.
+const fn row(index: usize) -> usize {
+    index * (index + 3) / 2
 }
 
 /// Whether a number is greater than another; not where one is none.

@@ -9,6 +9,9 @@ use std::f64::consts::TAU;
 /// What a greatest value over some joint vectors is multiplied by, for those in between.
 const SAFETY: f64 = 2.0;
 
+/// So many joint vectors tell how much of a bound is reached.
+const ENOUGH: usize = SAMPLES / 2;
+
 /// Change (rad, reaches) of a target or of an unknown in the quotients of differences.
 const DIFFERENCE: f64 = 1e-6;
 
@@ -54,7 +57,7 @@ fn share(
     gains: &[Vec<f64>],
     stage: usize,
 ) -> f64 {
-    let mut most = 0.0_f64;
+    let (mut most, mut told) = (0.0_f64, 0);
     for sample in 0..SAMPLES {
         let q = joint_vector(nominal, sample);
         let given: Vec<f64> = function.free.iter().filter_map(|joint| q.get(*joint).copied()).collect();
@@ -77,8 +80,10 @@ fn share(
         let Some(bound) = branch.bound(&target, &mixed, gains, stage) else { continue };
         let left = branch.left(&target, &mixed).get(stage).copied().unwrap_or(0.0);
         most = most.max(left.abs() / bound);
+        told += 1;
     }
-    (SAFETY * most).min(1.0)
+    // A few joint values that stay clear of singular poses say nothing of the others.
+    if told < ENOUGH { 1.0 } else { (SAFETY * most).min(1.0) }
 }
 
 /// To three digits, not smaller.
