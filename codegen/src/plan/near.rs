@@ -15,6 +15,9 @@ use dh_core::{Frame, IkError, Target, rotation_error};
 /// At how many joint vectors the two arms are compared.
 const SAMPLES: usize = 256;
 
+/// Arms whose tool frames are farther apart (reaches, rad) are too far for bounds that are proportional to it.
+const FARTHEST: f64 = 5e-4;
+
 /// At how many poses the share of those is counted that the general chain has to solve, and the greatest such share.
 const POSES: usize = 100;
 const OFTEN: f64 = 0.5;
@@ -58,9 +61,12 @@ fn function(
 ) -> Option<Function> {
     let unknowns: Vec<usize> =
         (0..model.joints.len()).filter(|joint| !problem.free.contains(joint)).collect();
+    let deviation = deviation(model, nominal);
+    if deviation > FARTHEST {
+        return None;
+    }
     let otherwise = general::function(model, index, problem).ok()?.function;
     let mut function = inverse::function(model, index, problem, derivation, true, constants);
-    let deviation = deviation(model, nominal);
     let gains = gains::of(model, nominal, &function, &constants.values(), deviation)?;
     let nearly = Nearly { unknowns: unknowns.try_into().ok()?, gains: gains.concat() };
     // Where a seed matters, the table is solved as it is.
@@ -117,7 +123,8 @@ fn share(model: &Model, plan: &Plan, function: &Function, problem: Option<usize>
         let q = joint_vector(model, sample);
         let target = Target::Pose(frame(&product::frames(model, &q).tool));
         let free: Vec<f64> = function.free.iter().filter_map(|joint| q.get(*joint).copied()).collect();
-        let answer = program.inverse(problem, &target, Given { free: &free, seed: None }, &windings, |_| ())?;
+        let answer =
+            program.inverse(problem, &target, Given { free: &free, seed: None }, &windings, |_| ())?;
         unsure += usize::from(answer == Err(IkError::NotFinite));
     }
     Some(unsure as f64 / POSES as f64)

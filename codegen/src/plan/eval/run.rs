@@ -5,8 +5,8 @@ use super::routine::{self, General, Instruction, Kernel, Register, Routine, Solv
 use super::trace::Event;
 use crate::plan::Function;
 use dh_core::{
-    Candidates, Condition, Float, Frame, IkError, MAX_JOINTS, Near, Nearly, Roots, Search, Solutions, Target, Wanted, Winding,
-    residual_tolerance,
+    Candidates, Condition, Float, Frame, IkError, MAX_JOINTS, Near, Nearly, Roots, Search, Solutions, Target,
+    Wanted, Winding, residual_tolerance,
 };
 
 /// The registers of one run. Register numbers were checked when the function was lowered.
