@@ -67,7 +67,7 @@ fn function(
     }
     let otherwise = general::function(model, index, problem).ok()?.function;
     let mut function = inverse::function(model, index, problem, derivation, true, constants);
-    let gains = gains::of(model, nominal, &function, &constants.values(), deviation)?;
+    let gains = gains::of(nominal, &function, &constants.values(), deviation)?;
     let nearly = Nearly { unknowns: unknowns.try_into().ok()?, gains: gains.concat() };
     // Where a seed matters, the table is solved as it is.
     function.unknowns = otherwise.unknowns;

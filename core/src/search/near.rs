@@ -24,8 +24,7 @@ pub struct Nearly<'a> {
     /// The joints that are found (indices of q).
     pub unknowns: [usize; UNKNOWNS],
     /// By how much each step of the closed form is off, in the size of its equation: first what the deviation of the two
-    /// arms makes at most; then, for the unknown of every step before, what one that is off by 1 (rad, reaches) does, and
-    /// before these the share of their sum that is left where one makes up for another.
+    /// arms makes at most; then, for the unknown of every step before, what one that is off by 1 (rad, reaches) does.
     pub gains: &'a [f64],
 }
 
@@ -80,15 +79,12 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     fn begin(&mut self, step: Step) -> S {
         self.folds &= !super::bit(step);
         let index = usize::from(step.index);
-        let first = row(index);
-        let Some([deviation, share, gains @ ..]) = self.gains.get(first..first + index + 2) else {
+        let Some([deviation, gains @ ..]) = self.gains.get(row(index)..row(index + 1)) else {
             return S::INFINITY;
         };
         let mut off = S::from_f64(*deviation);
-        for (earlier, (gain, by)) in gains.iter().zip(&self.off).enumerate() {
-            // Next to a double root an unknown is off by itself, whatever the others are.
-            let alone = self.folds & (1 << earlier) != 0;
-            off += S::from_f64(if alone { *gain } else { *gain * *share }) * *by;
+        for (gain, by) in gains.iter().zip(&self.off) {
+            off += S::from_f64(*gain) * *by;
         }
         off * step.measure.scale(self.search.reach)
     }
@@ -313,9 +309,9 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     }
 }
 
-/// Where the gains of a step begin: step i has i + 2 of them.
+/// Where the gains of a step begin: step i has i + 1 of them.
 const fn row(index: usize) -> usize {
-    index * (index + 3) / 2
+    index * (index + 1) / 2
 }
 
 /// Whether a number is greater than another; not where one is none.

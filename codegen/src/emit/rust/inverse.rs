@@ -142,9 +142,9 @@ impl<'a> Printer<'a> {
         text.line("#[rustfmt::skip]");
         text.line(format!("const {name}: {ty}<'static> = {ty} {{"));
         text.line(format!("    unknowns: {:?},", nearly.unknowns));
-        text.line("    // What each step is off by: the deviation, then a share of what earlier unknowns do that are off by 1.");
+        text.line("    // What each step is off by: by the deviation; by earlier unknowns that are off by 1.");
         text.line("    gains: &[");
-        let (mut gains, mut length) = (nearly.gains.as_slice(), 2);
+        let (mut gains, mut length) = (nearly.gains.as_slice(), 1);
         while let Some((row, rest)) = gains.split_at_checked(length).filter(|(row, _)| !row.is_empty()) {
             let row = row.iter().map(|gain| number(*gain, super::ScalarType::F64, &self.paths));
             text.line(format!("        {},", row.collect::<Vec<_>>().join(", ")));

@@ -6,19 +6,16 @@ use crate::model::{JointKind, Model, product};
 use dh_core::{Frame, Search};
 use std::f64::consts::TAU;
 
-/// What a greatest value over some joint vectors is multiplied by, for those in between.
-const SAFETY: f64 = 2.0;
-
-/// So many joint vectors tell how much of a bound is reached.
-const ENOUGH: usize = SAMPLES / 2;
+/// What the greatest deviation over some joint vectors is multiplied by, for those in between.
+const SAFETY: f64 = 1.5;
 
 /// Change (rad, reaches) of a target or of an unknown in the quotients of differences.
 const DIFFERENCE: f64 = 1e-6;
 
-/// The greatest gains of a closed form's steps: row k has that of the target (rad, reaches), then those of the unknowns of
-/// steps 0 ... k - 1 (rad, reaches). Equations are in the size of their terms. `None` where it is never solved.
+/// The greatest gains of a closed form's steps: row k has what the deviation (rad, reaches) makes of its equation, then what
+/// each of the unknowns of steps 0 ... k - 1 does that is off by 1 (rad, reaches). Equations are in the size of their terms.
+/// `None` where it is never solved.
 pub(super) fn of(
-    model: &Model,
     nominal: &Model,
     function: &Function,
     constants: &[f64],
@@ -26,64 +23,10 @@ pub(super) fn of(
 ) -> Option<Vec<Vec<f64>>> {
     let mut gains = greatest(nominal, function, constants)?;
     for row in &mut gains {
-        row.iter_mut().take(1).for_each(|gain| *gain *= deviation);
-    }
-    let mut shares = Vec::new();
-    for stage in 0..gains.len() {
-        let share = share(model, nominal, function, constants, &gains, stage);
-        if let Some([deviation, others @ ..]) = gains.get_mut(stage).map(Vec::as_mut_slice) {
-            *deviation *= share;
-            others.iter_mut().for_each(|gain| *gain *= share);
-        }
-        shares.push(share);
-    }
-    for (row, share) in gains.iter_mut().zip(shares) {
-        let unshared = |gain: f64| if share > 0.0 { gain / share } else { gain };
-        let (first, others) = row.split_first().map_or((0.0, Vec::new()), |(first, others)| {
-            (*first, others.iter().map(|gain| rounded_up(unshared(*gain))).collect())
-        });
-        *row = [vec![rounded_up(first), rounded_up(share)], others].concat();
+        row.iter_mut().take(1).for_each(|gain| *gain *= SAFETY * deviation);
+        row.iter_mut().for_each(|gain| *gain = rounded_up(*gain));
     }
     Some(gains)
-}
-
-/// What of the sum of all gains a step is off by, at most, at joint values of the arm as it is: what one unknown is off by
-/// hides what another is.
-fn share(
-    model: &Model,
-    nominal: &Model,
-    function: &Function,
-    constants: &[f64],
-    gains: &[Vec<f64>],
-    stage: usize,
-) -> f64 {
-    let (mut most, mut told) = (0.0_f64, 0);
-    for sample in 0..SAMPLES {
-        let q = joint_vector(nominal, sample);
-        let given: Vec<f64> = function.free.iter().filter_map(|joint| q.get(*joint).copied()).collect();
-        let branch = Branch { nominal, function, constants, given };
-        let of = |model: &Model, q: &[f64]| frame(&product::frames(model, q).tool);
-        // Joint values of some branch, which are those of the arm as it is for another target.
-        let Some(exact) = branch.roots(&of(nominal, &q), |stage, _| sample >> stage & 1) else { continue };
-        let target = of(model, &branch.joints(&of(nominal, &q), &exact));
-        let near = |stage: usize, list: &[f64]| {
-            let wanted = exact.get(stage).copied().unwrap_or(0.0);
-            let apart = |root: &f64| wrapped(root - wanted).abs();
-            let nearest = (0..list.len()).min_by(|a, b| apart(&list[*a]).total_cmp(&apart(&list[*b])));
-            nearest.unwrap_or(0)
-        };
-        let Some(roots) = branch.roots(&target, near) else { continue };
-        let mut mixed = roots;
-        if let (Some(root), Some(exact)) = (mixed.get_mut(stage), exact.get(stage)) {
-            *root = *exact;
-        }
-        let Some(bound) = branch.bound(&target, &mixed, gains, stage) else { continue };
-        let left = branch.left(&target, &mixed).get(stage).copied().unwrap_or(0.0);
-        most = most.max(left.abs() / bound);
-        told += 1;
-    }
-    // A few joint values that stay clear of singular poses say nothing of the others.
-    if told < ENOUGH { 1.0 } else { (SAFETY * most).min(1.0) }
 }
 
 /// To three digits, not smaller.
@@ -235,58 +178,6 @@ impl Branch<'_> {
             x
         });
         left
-    }
-
-    /// Joint values by the roots of all steps.
-    fn joints(&self, target: &Frame, roots: &[f64]) -> Vec<f64> {
-        let mut q = Vec::new();
-        let values = self.walk(target, |stage, _, _| roots.get(stage).copied().unwrap_or(0.0));
-        let mut steps = self.function.steps.as_slice();
-        while let Some(last) = steps.last() {
-            match last {
-                Step::Solve { body, .. } => steps = body,
-                Step::Accept { q: joints, .. } => {
-                    q = joints.iter().map(|joint| self.value(joint, &values)).collect();
-                    break;
-                }
-                _ => break,
-            }
-        }
-        q
-    }
-
-    /// What gains say of a step at these roots: how far it may be off. `None` next to a singular condition.
-    fn bound(&self, target: &Frame, roots: &[f64], gains: &[Vec<f64>], last: usize) -> Option<f64> {
-        let mut off: Vec<f64> = Vec::new();
-        let mut bounds = Vec::new();
-        self.walk(target, |stage, equation, value| {
-            let size = self.size(stage);
-            let row = gains.get(stage).map_or(&[][..], Vec::as_slice);
-            let (first, others) = row.split_first().unwrap_or((&0.0, &[]));
-            let bound = first + others.iter().zip(&off).map(|(gain, off)| gain * off).sum::<f64>();
-            let sensitivity = match equation {
-                Equation::Trig { a, b, c } => {
-                    let [a, b, c] = [a, b, c].map(value);
-                    size / (a * a + b * b - c * c).max(0.0).sqrt()
-                }
-                Equation::TrigUnit { .. } => 1.0,
-                Equation::TrigPair { first, second } => {
-                    let [a, b, d, e] = [&first[0], &first[1], &second[0], &second[1]].map(value);
-                    size * a.hypot(b).max(d.hypot(e)) / (a * e - b * d).abs()
-                }
-                Equation::Linear { a, .. } => size / value(a).abs(),
-                Equation::Quadratic { a, b, c } => {
-                    let [a, b, c] = [a, b, c].map(value);
-                    size / (b * b - 4.0 * a * c).max(0.0).sqrt()
-                }
-            };
-            let unit = if self.slides(stage) { self.reach() } else { 1.0 };
-            off.push(bound * sensitivity / unit);
-            bounds.push(bound);
-            roots.get(stage).copied().unwrap_or(0.0)
-        });
-        let regular = off.iter().take(last + 1).all(|off| *off < 0.1);
-        bounds.get(last).copied().filter(|bound| regular && *bound > 0.0)
     }
 
     /// Of the terms of a step's equation.
