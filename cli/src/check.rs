@@ -22,19 +22,24 @@ pub(crate) struct Arguments {
     /// Table files, or names of shipped tables.
     #[arg(required = true, value_name = "TABLE")]
     tables: Vec<String>,
+    /// How many random poses every function is verified at, with more of the special ones too.
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    poses: Option<u32>,
 }
 
 const EXAMPLES: &str = "\
 Examples:
   dhc check mycobot
-  dhc check robots/*.toml";
+  dhc check robots/*.toml
+  dhc check --poses 100000 ur5";
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, Failure> {
     let mut status = Status::Done;
     let mut separator = "";
+    let level = arguments.poses.map_or(Level::Full, Level::Poses);
     for table in &arguments.tables {
-        match Robot::load(table, Level::Full) {
+        match Robot::load(table, level) {
             Ok(robot) => {
                 robot.warn();
                 if !robot.has_all() {

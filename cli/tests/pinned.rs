@@ -25,6 +25,7 @@ const RUNS: &[(&str, &str)] = &[
     ("check_pose.txt", "check-pose mycobot --joints 0,-90,140,-50,0,0"),
     ("explain.txt", "explain rounded-angle"),
     ("check.txt", "check mycobot scara uarm_swift_pro"),
+    ("check_poses.txt", "check --poses 3000 planar2r"),
     ("help.txt", "--help"),
     ("help_ik.txt", "ik --help"),
 ];

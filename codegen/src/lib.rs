@@ -74,8 +74,8 @@ pub fn compile(text: &str, level: Level) -> Compilation {
                 }
             }
             let (mut plan, report) = verify::verify_or_else(&model, plan, level, general, &mut diagnostics);
-            if level == Level::Full {
-                verify::confirm(&model, &mut plan, |function| plan::second(&model, function));
+            if level != Level::Quick {
+                verify::confirm(&model, &mut plan, level, |function| plan::second(&model, function));
             }
             Some(Output { model, plan, report, unsolved })
         }

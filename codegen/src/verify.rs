@@ -12,6 +12,7 @@ mod agreement;
 mod constraints;
 mod forward;
 mod inverse;
+mod newton;
 mod poses;
 mod prescribed;
 mod random;
@@ -61,6 +62,8 @@ pub enum Level {
     Quick,
     /// Some hundred poses with singular ones and the neighbourhood of these, for `dhc check` and tests.
     Full,
+    /// The same with so many random poses, and more of the others too.
+    Poses(u32),
 }
 
 /// What errors may be (m, rad).
@@ -96,7 +99,8 @@ pub fn verify_or_else(
         |report: &Option<FunctionReport>| report.as_ref().is_some_and(|report| report.failure.is_none());
     let mut found = verification.reports(&plan);
     for function in others(&plan, &found, next) {
-        let functions = plan.functions.iter().filter(|other| other.kind == FunctionKind::Fk);
+        let needed = |other: &&Function| matches!(other.kind, FunctionKind::Fk | FunctionKind::FkJacobian);
+        let functions = plan.functions.iter().filter(needed);
         let functions = functions.cloned().chain([function.clone()]).collect();
         let alone = Plan { constants: plan.constants.clone(), functions };
         found.push(verification.reports(&alone).pop().flatten());
@@ -115,10 +119,10 @@ pub fn verify_or_else(
     (Plan { constants: plan.constants, functions }, report)
 }
 
-/// Notes for every inverse function of a plan how often another one of the same problem finds the same solutions; `second`
-/// gives that one.
-pub fn confirm(model: &Model, plan: &mut Plan, second: impl Fn(&Function) -> Option<Function>) {
-    agreement::confirm(model, plan, second);
+/// Notes for every inverse function of a plan how often another method finds the same solutions: another function of the
+/// same problem where `second` gives one, else Newton's method from many places.
+pub fn confirm(model: &Model, plan: &mut Plan, level: Level, second: impl Fn(&Function) -> Option<Function>) {
+    agreement::confirm(model, plan, level, second);
 }
 
 /// What is said of a function that failed.

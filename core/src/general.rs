@@ -17,16 +17,21 @@
 mod circuit;
 mod continuum;
 mod jacobian;
+mod known;
 mod line;
 mod linear;
 mod newton;
 mod resultant;
+mod starts;
 mod waves;
 
 use crate::polish::polish;
-use crate::{Float, Frame};
+use crate::Frame;
 use circuit::Circuit;
+use known::Known;
+pub(crate) use known::same;
 use resultant::Resultant;
+use starts::{PATIENCE, STARTS, starts};
 
 /// How many joints the caller leaves to be found.
 pub(crate) const JOINTS: usize = 6;
@@ -127,6 +132,11 @@ impl Chart {
         Self { periods, ..self }
     }
 
+    /// Degree of the polynomial over a whole turn of the joint.
+    pub const fn degree_of_turn(&self) -> u8 {
+        self.degree * if self.periods > 1 { self.periods } else { 1 }
+    }
+
     /// The joint whose angle the polynomial is in.
     pub const fn unknown(&self) -> usize {
         let along = (self.hidden % 3) as usize + 3;
@@ -173,16 +183,17 @@ impl SixJoints<'_> {
     /// Solutions are joint values (rad, m).
     pub fn solve(&self, pose: &Frame, mut found: impl FnMut(&[f64; JOINTS])) -> Outcome {
         let mut outcome = Outcome::UNKNOWN;
-        let (mut count, mut doubtful) = (0, self.charts.is_empty());
+        let mut known = Known::new(self.prismatic, ONE);
+        let mut doubtful = self.charts.is_empty();
         for chart in self.charts {
             let this = self.solve_in(*chart, pose, &mut |solution| {
-                count += 1;
+                known.insert(solution);
                 found(solution);
             });
             doubtful |= this.doubtful;
             outcome = outcome.and(this);
             // That there is no solution is believed where all charts say so.
-            if !this.doubtful && count > 0 {
+            if !this.doubtful && known.len() > 0 {
                 return outcome;
             }
         }
@@ -194,16 +205,28 @@ impl SixJoints<'_> {
             for (size, side) in NEIGHBOURS {
                 let [x, y, z, roll, pitch, yaw] = side.map(|part| part * size);
                 let step = Frame::from_rpy([x, y, z].map(|length| length * self.reach), [roll, pitch, yaw]);
-                let from = self.solve_from(*chart, &pose.compose(&step), pose, &mut found);
+                let from = self.solve_from(*chart, &pose.compose(&step), pose, &mut |solution| {
+                    known.insert(solution);
+                    found(solution);
+                });
                 outcome = Outcome { doubtful: true, ..outcome.and(from) };
             }
         }
         // At the edge of the workspace no neighbour may be attainable, and on some arms roots are double at every pose; there,
         // Newton's method needs no polynomial.
         let (scaled, target) = (self.scaled(), self.in_reaches(pose));
+        let mut idle = 0;
         for start in starts() {
+            idle += 1;
             if let Some(solution) = scaled.nearby(&target, &start) {
-                found(&self.in_metres(solution));
+                let solution = self.in_metres(solution);
+                if known.insert(&solution) {
+                    idle = 0;
+                }
+                found(&solution);
+            }
+            if idle > STARTS + PATIENCE * known.len() as u32 {
+                break;
             }
         }
         outcome
@@ -237,8 +260,7 @@ impl SixJoints<'_> {
         let degenerate = noise > NOISE || resultant.pivot < PIVOT;
         let doubtful = roots.doubtful || degenerate;
         let mut outcome = Outcome { doubtful, miss, moved: 0.0, doubted: false };
-        let mut known = [[f64::NAN; JOINTS]; 2 * waves::MAX_ROOTS];
-        let mut count = 0;
+        let mut known = Known::new(self.prismatic, SAME);
         let periods = chart.periods.max(1);
         let likely = roots.as_slice().iter().map(|root| (*root, true));
         let places = likely.chain(roots.unlikely().iter().map(|root| (*root, false)));
@@ -253,21 +275,15 @@ impl SixJoints<'_> {
                 outcome.moved = if moved > outcome.moved { moved } else { outcome.moved };
                 let unknown = |q: &[f64; JOINTS]| q.get(chart.unknown()).copied().unwrap_or(f64::NAN);
                 hit |= libm::fabs(unknown(&solution) - unknown(q)) <= FAR;
-                if known.iter().take(count).any(|other| same(other, &solution, self.prismatic, SAME)) {
-                    // Two roots have gone to one solution: another may have none.
-                    outcome.doubtful |= likely;
-                } else if let Some(place) = known.get_mut(count) {
-                    *place = solution;
-                    count += 1;
-                    // Where one is that should not be, the polynomial is not to be trusted.
-                    outcome.doubtful |= !likely;
-                }
+                // Two roots have gone to one solution: another may have none. Where one is that should not be, the polynomial is
+                // not to be trusted.
+                outcome.doubtful |= known.insert(&solution) != likely;
                 found(&self.in_metres(solution));
             }
             outcome.doubtful |= !hit;
         }
         // Real solutions come and go in pairs.
-        outcome.doubtful |= count % 2 == 1;
+        outcome.doubtful |= known.len() % 2 == 1;
         outcome
     }
 
@@ -278,8 +294,8 @@ impl SixJoints<'_> {
         }
         let exact = |q: &[f64; JOINTS]| jacobian::pose_and_jacobian(self, q);
         let solution = polish(*q, target, 1.0, STEPS, exact);
-        let error = Float::max(solution.position_error, solution.rotation_error);
-        (error <= FOUND).then_some(solution.q)
+        // Each by itself: the greater of a number and none is the number.
+        (solution.position_error <= FOUND && solution.rotation_error <= FOUND).then_some(solution.q)
     }
 
     fn in_metres(&self, mut q: [f64; JOINTS]) -> [f64; JOINTS] {
@@ -341,29 +357,8 @@ const STEPS: usize = 40;
 /// Two solutions that are nearer than this (rad, reaches) are one.
 const SAME: f64 = 1e-9;
 
-/// Whether two sets of joint values are one but for whole turns.
-pub(crate) fn same(a: &[f64; JOINTS], b: &[f64; JOINTS], prismatic: [bool; JOINTS], tolerance: f64) -> bool {
-    a.iter().zip(b).zip(prismatic).all(|((a, b), slides)| {
-        let apart = if slides { a - b } else { crate::Float::wrap_angle(a - b) };
-        libm::fabs(apart) <= tolerance
-    })
-}
-
-/// How many places Newton's method is started from where the equations say little.
-const STARTS: u32 = 64;
-
-/// Joint values (rad, reaches) that fill the joint space evenly: multiples of the powers of 1/g, with g^7 = g + 1, that
-/// generalises the golden section \[Roberts 2018, The unreasonable effectiveness of quasirandom sequences\].
-fn starts() -> impl Iterator<Item = [f64; JOINTS]> {
-    const INVERSE: f64 = 0.898_653_712_628_699_3;
-    (1..=STARTS).map(|k| {
-        let mut power = f64::from(k);
-        [0; JOINTS].map(|_| {
-            power *= INVERSE;
-            core::f64::consts::TAU * (power - libm::floor(power) - 0.5)
-        })
-    })
-}
+/// The same where double roots are not known any better (rad, m).
+const ONE: f64 = 1e-6;
 
 /// Relative noise of the coefficients from which on nothing can be said of the roots.
 const USELESS: f64 = 1e-3;

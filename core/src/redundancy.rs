@@ -103,6 +103,11 @@ impl<'a, S: Copy> Redundancy<'a, S> {
 }
 
 impl<S: Float> Redundancy<'_, S> {
+    /// Whether there is no closed form.
+    pub const fn is_searched(&self) -> bool {
+        self.samples < SAMPLES
+    }
+
     fn free_joint(&self) -> Option<&Joint<'_, S>> {
         self.rules.joints.get(self.joint)
     }

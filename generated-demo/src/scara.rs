@@ -287,6 +287,9 @@ impl Cobra600 {
     ///           (cosine of the yaw; sine of the yaw)
     /// ```
     ///
+    /// Another method (Newton's method from some hundred places, on the product of the matrices)
+    /// finds the same solutions at 8 of 8 random poses.
+    ///
     /// Besides solving, on each branch: 18 multiplications, 16 additions, 0 sine-cosine pairs.
     ///
     /// # Errors

@@ -207,6 +207,9 @@ impl UArmSwiftPro {
     ///           (rows 1 and 2 of the position in frame 1)
     /// ```
     ///
+    /// Another method (Newton's method from some hundred places, on the product of the matrices)
+    /// finds the same solutions at 8 of 8 random poses.
+    ///
     /// Besides solving, on each branch: 27 multiplications, 23 additions, 0 sine-cosine pairs.
     ///
     /// # Errors
@@ -287,6 +290,9 @@ impl UArmSwiftPro {
     ///           a3 s3 c2 + (a3 c3 + a2) s2 = z0
     ///           (rows 1 and 2 of the position in frame 1)
     /// ```
+    ///
+    /// Another method (Newton's method from some hundred places, on the product of the matrices)
+    /// finds the same solutions at 8 of 8 random poses.
     ///
     /// Besides solving, on each branch: 20 multiplications, 19 additions, 0 sine-cosine pairs.
     ///

@@ -18,38 +18,54 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     }
     this_code_can_panic()
 }
+";
 
 /// Panics: shows that the link fails where it should.
-#[cfg(feature = \"control\")]
+const CONTROL: &str = "
 #[unsafe(no_mangle)]
 pub extern \"C\" fn control(index: usize) -> u8 {
     [1, 2, 3][index]
 }
 ";
 
-fn manifest(root: &Path) -> String {
+/// A library may leave symbols to others; this one may not. Copying memory is the C library's.
+const LINK: &str = "fn main() {
+    println!(\"cargo::rustc-link-arg-cdylib=-Wl,--no-undefined\");
+    println!(\"cargo::rustc-link-arg-cdylib=-lc\");
+}
+";
+
+/// The crates, with which arms: two halves, for the optimiser has one thread a crate, and the one that panics.
+const CRATES: [(&str, usize, usize); 3] = [("first", 0, 2), ("second", 1, 2), ("control", 0, usize::MAX)];
+
+fn workspace() -> String {
+    let names = CRATES.map(|(name, ..)| format!("{name:?}")).join(", ");
+    format!(
+        "[workspace]
+resolver = \"3\"
+members = [{names}]
+
+[profile.release]
+panic = \"abort\"
+lto = \"fat\"
+codegen-units = 1
+"
+    )
+}
+
+fn manifest(name: &str, root: &Path) -> String {
     let runtime = root.join("runtime").display().to_string();
     format!(
         "[package]
-name = \"nopanic\"
+name = {name:?}
 version = \"0.0.0\"
 edition = \"2024\"
 
 [lib]
 crate-type = [\"cdylib\"]
 
-[features]
-control = []
-
 [dependencies]
 dh-runtime = {{ path = {runtime:?}, default-features = false, features = [\"nalgebra\"] }}
-
-[profile.release]
-panic = \"abort\"
-lto = \"fat\"
-codegen-units = 1
-
-[workspace]
 "
     )
 }
@@ -91,14 +107,32 @@ pub extern \"C\" fn methods_{name}(which: usize) -> *const () {{
     (code, keep)
 }
 
-fn build(folder: &Path, control: bool) -> std::process::Output {
-    let mut cargo = Command::new(env!("CARGO"));
-    cargo.current_dir(folder).args(["rustc", "--release", "--offline", "--quiet", "--lib"]);
-    if control {
-        cargo.args(["--features", "control"]);
+/// A crate with the code of some arms.
+fn write(folder: &Path, root: &Path, (name, first, step): (&str, usize, usize)) {
+    let folder = folder.join(name);
+    std::fs::create_dir_all(folder.join("src")).expect("a folder of our own");
+    let write =
+        |file: &str, text: &str| std::fs::write(folder.join(file), text).expect("a folder of our own");
+    write("Cargo.toml", &manifest(name, root));
+    write("build.rs", LINK);
+    let mut library = HEAD.to_owned();
+    if name == "control" {
+        library += CONTROL;
     }
-    // A library may leave symbols to others; this one may not. Copying memory is the C library's.
-    cargo.args(["--", "-C", "link-arg=-Wl,--no-undefined", "-C", "link-arg=-lc"]);
+    for name in dh_robots::names().skip(first).step_by(step) {
+        let (code, keep) = arm(name);
+        write(&format!("src/{name}.rs"), &code);
+        library += &keep;
+    }
+    write("src/lib.rs", &library);
+}
+
+fn build(folder: &Path, crates: &[&str]) -> std::process::Output {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.current_dir(folder).args(["build", "--release", "--offline", "--quiet"]);
+    for name in crates {
+        cargo.args(["--package", name]);
+    }
     cargo
         .env("CARGO_TARGET_DIR", folder.join("target"))
         .env_remove("RUSTFLAGS")
@@ -106,46 +140,25 @@ fn build(folder: &Path, control: bool) -> std::process::Output {
     cargo.output().expect("cargo runs")
 }
 
-/// A crate with the code of some arms, in a folder of its own.
-fn library<'a>(name: &str, arms: impl Iterator<Item = &'a str>) -> PathBuf {
+#[test]
+#[cfg_attr(not(target_os = "linux"), ignore = "the linker is told in the words of GNU's")]
+fn generated_code_cannot_panic() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a folder of the workspace");
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    std::fs::create_dir_all(folder.join("src")).expect("a folder of our own");
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("nopanic");
+    for which in CRATES {
+        write(&folder, root, which);
+    }
     let write =
         |file: &str, text: &str| std::fs::write(folder.join(file), text).expect("a folder of our own");
-    write("Cargo.toml", &manifest(root));
+    write("Cargo.toml", &workspace());
     // The versions of the workspace, which are there already.
     write(
         "Cargo.lock",
         &std::fs::read_to_string(root.join("Cargo.lock")).expect("the workspace's lock file"),
     );
-    let mut library = HEAD.to_owned();
-    for name in arms {
-        let (code, keep) = arm(name);
-        write(&format!("src/{name}.rs"), &code);
-        library += &keep;
-    }
-    write("src/lib.rs", &library);
-    folder
-}
-
-#[test]
-#[cfg_attr(not(target_os = "linux"), ignore = "the linker is told in the words of GNU's")]
-fn generated_code_cannot_panic() {
-    // Two halves at a time, for the optimiser has one thread a crate.
-    let outputs = std::thread::scope(|scope| {
-        let halves = [0, 1].map(|half| {
-            scope.spawn(move || {
-                let arms = dh_robots::names().skip(half).step_by(2);
-                build(&library(&format!("nopanic{half}"), arms), false)
-            })
-        });
-        halves.map(|half| half.join().expect("it ends"))
-    });
-    for output in outputs {
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    }
-    let control = build(&library("nopanic_control", dh_robots::names().take(1)), true);
+    let halves = build(&folder, &["first", "second"]);
+    assert!(halves.status.success(), "{}", String::from_utf8_lossy(&halves.stderr));
+    let control = build(&folder, &["control"]);
     let message = String::from_utf8_lossy(&control.stderr);
     assert!(!control.status.success() && message.contains("this_code_can_panic"), "{message}");
 }

@@ -9,7 +9,6 @@ const PINNED: &str = "rustc 1.95.";
 #[test]
 fn attribute() {
     let cases = trybuild::TestCases::new();
-    cases.pass("ui/pass/*.rs");
     let version =
         Command::new("rustc").arg("--version").output().map(|output| output.stdout).unwrap_or_default();
     if version.starts_with(PINNED.as_bytes()) {

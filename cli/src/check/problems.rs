@@ -90,7 +90,11 @@ fn why(robot: &Robot, function: &Function) -> String {
     };
     if let Some(problem) = problem.filter(|problem| !problem.constraints.is_empty()) {
         let many = if problem.constraints.len() == 1 { "constraint leaves" } else { "constraints leave" };
-        return format!("the {many} {} unknowns, one a step", function.stages.len());
+        let found = |count: usize| format!("{count} unknown{}", if count == 1 { "" } else { "s" });
+        return match (general(&function.steps), function.stages.first()) {
+            (Some(_), Some(stage)) => format!("the {many} {}", found(stage.rows.count_ones() as usize)),
+            _ => format!("the {many} {}, one a step", found(function.stages.len())),
+        };
     }
     let held: Vec<(usize, f64)> = function.free.iter().map(|joint| (*joint, SOMEWHERE)).collect();
     let geometry = model.geometry_holding(&held);
@@ -118,7 +122,7 @@ fn why(robot: &Robot, function: &Function) -> String {
 /// The chain of a function that finds all joints at once, with the degree of its polynomial.
 fn general(steps: &[Step]) -> Option<u8> {
     steps.iter().find_map(|step| match step {
-        Step::General { chain, .. } => chain.charts.first().map(|chart| chart.degree),
+        Step::General { chain, .. } => chain.charts.first().map(dh_core::Chart::degree_of_turn),
         Step::Solve { body, .. } => general(body),
         Step::Near { .. } | Step::Let { .. } | Step::SinCos { .. } | Step::Accept { .. } => None,
     })
@@ -176,7 +180,7 @@ fn roots(steps: &[Step]) -> Vec<usize> {
             }
             Step::General { chain, body, .. } => {
                 // A trigonometric polynomial has twice as many roots as its degree; some need not be those of the arm.
-                let degree = chain.charts.first().map_or(0, |chart| usize::from(chart.degree));
+                let degree = chain.charts.first().map_or(0, |chart| usize::from(chart.degree_of_turn()));
                 found.push((2 * degree).min(MAX_SOLUTIONS));
                 found.extend(roots(body));
             }

@@ -5,7 +5,7 @@ use crate::json::Json;
 use crate::rule;
 use crate::units::{Units, fixed};
 use dh_codegen::model::{Model, Problem};
-use dh_codegen::plan::{Function, Measure};
+use dh_codegen::plan::{Function, Measure, Step as PlanStep};
 use dh_core::{IkError, Reachable, Step};
 
 /// An error of a problem (the full pose where there is none) that a function solves.
@@ -117,6 +117,16 @@ fn unreachable(model: &Model, function: &Function, step: Step, excess: f64) -> R
     } else {
         (excess, "ratio", format!("its argument exceeds the domain by {:.6} %", excess * 100.0))
     };
+    // All joints at once: what is said of a polynomial's value is no excess.
+    let at_once = function.steps.iter().any(|step| matches!(step, PlanStep::General { .. }));
+    if at_once {
+        let message = format!("out of reach: no value of {unknown} leads to the target");
+        let equation = stage.map_or("", |stage| stage.equation.as_str());
+        return Refusal::new("unreachable", message)
+            .with("step", usize::from(step.index) + 1)
+            .with("unknown", unknown)
+            .help(format!("{unknown} is found where {equation}"));
+    }
     let message = format!(
         "out of reach: step {} ({unknown}, joint {}) has no root, {by}",
         step.index + 1,

@@ -162,12 +162,12 @@ impl<'a> Question<'a> {
     pub(crate) fn solve(&mut self, target: &Target) -> Result<Vec<Answer>, IkError> {
         match (&self.free, self.all) {
             (Some(free), true) => {
-                let seed = seed(&self.near, self.seeded || !self.all);
+                let seed = seed(&self.near, self.seeded);
                 self.arm.ik_seeded_into(self.name, target, free, seed, &mut self.set)?;
                 Ok(self.answers())
             }
             (Some(free), false) if !free.is_empty() => {
-                let seed = seed(&self.near, self.seeded || !self.all);
+                let seed = seed(&self.near, true);
                 self.arm.ik_seeded_into(self.name, target, free, seed, &mut self.set)?;
                 self.keep_allowed()?;
                 Ok(self.answers())
@@ -206,8 +206,9 @@ impl<'a> Question<'a> {
         let mut trace = trace::Trace::new(self.robot, self.function);
         let seed = seed(&self.near, self.seeded || !self.all);
         let outcome = arm.trace_ik(self.name, target, &free, seed, &mut self.set, |event| trace.event(event));
-        let outcome = outcome.and_then(|()| if self.all { Ok(()) } else { self.keep_allowed() });
-        (trace.into_text(), outcome.map(|()| self.answers()))
+        // The steps are those of one call; what is allowed may take several.
+        let answers = if self.all { outcome.map(|()| self.answers()) } else { self.solve(target) };
+        (trace.into_text(), answers)
     }
 
     fn answers(&self) -> Vec<Answer> {

@@ -82,7 +82,9 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         .q
         .iter()
         .map(|form| sum(form, |place| joints.get(place).cloned().unwrap_or(Scalar::Number(0.0))));
-    let body = vec![Step::Accept { q: q.collect(), tool: Vec::new(), polish: false }];
+    // Of an arm with fewer joints than the chain: what those that were added are off by is taken away again.
+    let polish = problem.is_whole_pose() && general.joints.iter().any(|joint| joint.row.is_none());
+    let body = vec![Step::Accept { q: q.collect(), tool: Vec::new(), polish }];
     let unknowns = unknowns(&general);
     let chain = GeneralChain { charts, ..chain };
     let function = Function {
@@ -109,7 +111,7 @@ pub(super) fn rotated(function: &Function) -> Option<Function> {
         return None;
     }
     chain.charts.rotate_left(1);
-    let (degree, unknown) = chain.charts.first().map(|chart| (chart.degree, chart.unknown()))?;
+    let (degree, unknown) = chain.charts.first().map(|chart| (chart.degree_of_turn(), chart.unknown()))?;
     let [Step::General { roots, .. }] = function.steps.as_slice() else { return None };
     let unknown = roots.get(unknown).and_then(|root| function.values.get(root.0))?;
     let equation = equation(degree, unknown);
@@ -192,7 +194,7 @@ fn stage(general: &General, chart: Chart) -> Stage {
     Stage {
         rows: rows.fold(0, |mask, row| mask | 1_u32.checked_shl(row as u32).unwrap_or(0)),
         measure: Measure::Ratio,
-        equation: equation(chart.degree * chart.periods, &unknown),
+        equation: equation(chart.degree_of_turn(), &unknown),
         definitions: Vec::new(),
         origin: format!(
             "the line of axis {} seen from both sides; {first} and {second} eliminated from its 14 power products, {third} and {fourth} by a resultant; they and {} follow from each root",

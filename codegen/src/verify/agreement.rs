@@ -1,6 +1,7 @@
 //! Whether another method finds the same solutions.
 
 use super::constraints::Constraints;
+use super::newton::Newton;
 use super::prescribed::target_of;
 use super::where_clause::Wheres;
 use super::{Level, inverse, poses, reference};
@@ -9,15 +10,29 @@ use crate::plan::eval::{Given, Program};
 use crate::plan::{Agreement, Function, FunctionKind, Plan};
 use dh_core::{Target, Winding};
 
-/// How many random poses are solved by both methods.
+/// How many random poses are solved by both methods, at least.
 const POSES: usize = 32;
+
+/// The same where the other one is Newton's method from many places, which takes its time.
+const POSES_OF_NEWTON: usize = 8;
+
+/// What that is called.
+const NEWTON: &str = "Newton's method from some hundred places, on the product of the matrices";
+
+/// Of the random poses that verification is asked for, this part is solved by both methods.
+const PART: usize = 100;
 
 /// Solutions that are nearer than this (rad or m) are one: less accurate next to singular poses than elsewhere.
 const SAME: f64 = 1e-5;
 
-/// Notes for every inverse function how often another one of the same problem, by another method, finds the same
-/// solutions at random poses. `other` gives that function, where there is one.
-pub(super) fn confirm(model: &Model, plan: &mut Plan, other: impl Fn(&Function) -> Option<Function>) {
+/// Notes for every inverse function how often another method finds the same solutions at random poses: another function of
+/// the same problem where `other` gives one, else Newton's method.
+pub(super) fn confirm(
+    model: &Model,
+    plan: &mut Plan,
+    level: Level,
+    other: impl Fn(&Function) -> Option<Function>,
+) {
     let Some(fk) = plan.functions.iter().find(|function| function.kind == FunctionKind::Fk).cloned() else {
         return;
     };
@@ -29,65 +44,120 @@ pub(super) fn confirm(model: &Model, plan: &mut Plan, other: impl Fn(&Function) 
     };
     for function in &mut plan.functions {
         let FunctionKind::Inverse(problem) = function.kind else { continue };
-        let Some(second) = other(function).filter(|second| second.free == function.free) else { continue };
-        let (own, other) = (alone(function), alone(&second));
-        if let (Ok(own), Ok(other)) = (Program::new(model, &own), Program::new(model, &other)) {
-            let programs = [&own, &other];
-            function.agreement = compare(model, problem, &function.free, programs, &second);
-        }
-    }
-}
-
-fn compare(
-    model: &Model,
-    problem: Option<usize>,
-    free: &[usize],
-    programs: [&Program<'_>; 2],
-    second: &Function,
-) -> Option<Agreement> {
-    let entry = problem.and_then(|index| model.problems.get(index));
-    let constraints = Constraints::of(model, entry);
-    let wheres = Wheres::of(model, problem);
-    let reach = model.reach();
-    let wanted = |q: &[f64]| wheres.clearly_keep(q);
-    let poses = poses::poses(model, &constraints, Level::Full, reach, wanted);
-    let windings = programs.map(Program::windings);
-    let kind = entry.map_or(model::Target::Pose, |problem| problem.target);
-    let method = second.stages.first().map_or_else(String::new, |stage| stage.equation.clone());
-    let mut agreement = Agreement { method, poses: 0, agreed: 0 };
-    let mut applies = false;
-    // The first ones are random.
-    for (number, q) in poses.iter().take(POSES).enumerate() {
-        let Some(target) = target_of(kind, &reference::tool(model, q), number, reach) else { continue };
-        let free: Vec<f64> = free.iter().map(|joint| q.get(*joint).copied().unwrap_or(0.0)).collect();
-        let [own, other] = [0, 1].map(|index: usize| {
-            let (program, windings) = (programs.get(index), windings.get(index));
-            program.zip(windings).map_or_else(Vec::new, |(program, windings)| {
-                solutions(program, problem, &target, &free, windings, q.len())
-            })
+        let own = alone(function);
+        let Ok(own) = Program::new(model, &own) else { continue };
+        let comparison = Comparison::new(model, problem, &function.free, &own, level);
+        let second = other(function).filter(|second| second.free == function.free);
+        let by_function = second.and_then(|second| {
+            let plan = alone(&second);
+            let program = Program::new(model, &plan).ok()?;
+            comparison.with_function(&program, &second)
         });
-        let among = |q: &Vec<f64>, others: &[Vec<f64>]| {
-            others.iter().any(|other| inverse::travel(model, q, other) <= SAME)
-        };
-        agreement.poses += 1;
-        applies |= !other.is_empty();
-        let same = own.len() == other.len() && own.iter().all(|q| among(q, &other));
-        agreement.agreed += usize::from(same && other.iter().all(|q| among(q, &own)));
+        function.agreement = by_function.or_else(|| comparison.with_newton());
     }
-    // A method that finds nothing anywhere says nothing.
-    applies.then_some(agreement)
 }
 
-/// Joint values of every solution.
-fn solutions(
-    program: &Program<'_>,
+/// One inverse problem that is solved once more.
+struct Comparison<'v> {
+    model: &'v Model,
     problem: Option<usize>,
-    target: &Target<f64>,
-    free: &[f64],
-    windings: &[Winding<'_>],
-    joints: usize,
-) -> Vec<Vec<f64>> {
-    let answer = program.inverse(problem, target, Given { free, seed: None }, windings, |_| ());
-    let found = answer.into_iter().flatten();
-    found.flatten().map(|solution| solution.q.get(..joints).unwrap_or_default().to_vec()).collect()
+    kind: model::Target,
+    constraints: Constraints,
+    wheres: Wheres<'v>,
+    free: &'v [usize],
+    own: &'v Program<'v>,
+    /// m
+    reach: f64,
+    level: Level,
+}
+
+impl<'v> Comparison<'v> {
+    fn new(
+        model: &'v Model,
+        problem: Option<usize>,
+        free: &'v [usize],
+        own: &'v Program<'v>,
+        level: Level,
+    ) -> Self {
+        let entry = problem.and_then(|index| model.problems.get(index));
+        let kind = entry.map_or(model::Target::Pose, |problem| problem.target);
+        let (constraints, wheres) = (Constraints::of(model, entry), Wheres::of(model, problem));
+        Comparison { model, problem, kind, constraints, wheres, free, own, reach: model.reach(), level }
+    }
+
+    /// With another function of the problem. A method that finds nothing anywhere says nothing.
+    fn with_function(&self, program: &Program<'_>, second: &Function) -> Option<Agreement> {
+        let method = second.stages.first().map_or_else(String::new, |stage| stage.equation.clone());
+        let windings = program.windings();
+        let mut applies = false;
+        let agreement = self.at_poses(method, POSES, |target, q| {
+            let found = self.solutions(program, target, q, &windings);
+            applies |= !found.is_empty();
+            found
+        });
+        applies.then_some(agreement)
+    }
+
+    /// With Newton's method; `None` where the target leaves more open than single solutions.
+    fn with_newton(&self) -> Option<Agreement> {
+        let unknowns = self.constraints.independent.iter().filter(|joint| !self.free.contains(joint)).count();
+        if unknowns > self.kind.rows() {
+            return None;
+        }
+        let newton = Newton {
+            model: self.model,
+            constraints: &self.constraints,
+            wheres: &self.wheres,
+            free: self.free,
+            reach: self.reach,
+            same: SAME,
+        };
+        Some(self.at_poses(NEWTON.to_owned(), POSES_OF_NEWTON, |target, q| newton.solutions(target, q)))
+    }
+
+    /// `other` gives the other method's solutions of a target, which was made from joint values.
+    fn at_poses(
+        &self,
+        method: String,
+        least: usize,
+        mut other: impl FnMut(&Target<f64>, &[f64]) -> Vec<Vec<f64>>,
+    ) -> Agreement {
+        let wanted = |q: &[f64]| self.wheres.clearly_keep(q);
+        let poses = poses::poses(self.model, &self.constraints, self.level, self.reach, wanted);
+        let windings = self.own.windings();
+        let most = match self.level {
+            Level::Poses(random) => least.max(random as usize / PART).min(random as usize),
+            _ => least,
+        };
+        let mut agreement = Agreement { method, poses: 0, agreed: 0 };
+        // The first ones are random.
+        for (number, q) in poses.iter().take(most).enumerate() {
+            let tool = reference::tool(self.model, q);
+            let Some(target) = target_of(self.kind, &tool, number, self.reach) else { continue };
+            let own = self.solutions(self.own, &target, q, &windings);
+            let other = other(&target, q);
+            let among = |q: &Vec<f64>, others: &[Vec<f64>]| {
+                others.iter().any(|other| inverse::travel(self.model, q, other) <= SAME)
+            };
+            agreement.poses += 1;
+            let same = own.len() == other.len() && own.iter().all(|q| among(q, &other));
+            agreement.agreed += usize::from(same && other.iter().all(|q| among(q, &own)));
+        }
+        agreement
+    }
+
+    /// Joint values of every solution of a function; the joints that the caller gives are as in `q`.
+    fn solutions(
+        &self,
+        program: &Program<'_>,
+        target: &Target<f64>,
+        q: &[f64],
+        windings: &[Winding<'_>],
+    ) -> Vec<Vec<f64>> {
+        let free: Vec<f64> = self.free.iter().map(|joint| q.get(*joint).copied().unwrap_or(0.0)).collect();
+        let given = Given { free: &free, seed: None };
+        let answer = program.inverse(self.problem, target, given, windings, |_| ());
+        let found = answer.into_iter().flatten();
+        found.flatten().map(|solution| solution.q.get(..q.len()).unwrap_or_default().to_vec()).collect()
+    }
 }

@@ -39,6 +39,12 @@ impl Numbers {
         match level {
             Level::Quick => Numbers { random: 16, lattice: 1, limits: 1, boundary: 0 },
             Level::Full => Numbers { random: 200, lattice: 60, limits: 20, boundary: 10 },
+            Level::Poses(random) => Numbers {
+                random,
+                lattice: u32::max(60, random / 20),
+                limits: u32::max(20, random / 50),
+                boundary: u32::max(10, random / 100),
+            },
         }
     }
 }

@@ -96,7 +96,7 @@ impl Curve<'_> {
     /// The solution near joint values.
     fn onto(&self, q: &[f64; JOINTS]) -> Option<[f64; JOINTS]> {
         let solution = polish(*q, &self.target, 1.0, STEPS, |q| pose_and_jacobian(&self.arm, q));
-        (Float::max(solution.position_error, solution.rotation_error) <= FOUND).then_some(solution.q)
+        (solution.position_error <= FOUND && solution.rotation_error <= FOUND).then_some(solution.q)
     }
 
     /// The solution a step along the curve, unless there is none or it is the same again.

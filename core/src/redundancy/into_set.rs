@@ -62,11 +62,19 @@ impl<S: Float> Redundancy<'_, S> {
             let tool = arm.jacobian_into(q, &mut columns).and_then(|()| arm.fk(q)).unwrap_or(nowhere);
             (tool, columns)
         };
-        let nearest = self.nearest(Arm::new(at, state), point, &target, &padded)?;
-        let mut solutions = swept.unwrap_or(Solutions::EMPTY);
-        if solutions.iter().all(|other| travel(&other.q, &nearest.q) > S::EPSILON) {
-            solutions.insert_by_distance(nearest, &padded);
-        }
+        let nearest = self.nearest(Arm::new(at, state), point, &target, &padded);
+        // Either may find what lies between the samples of the other.
+        let solutions = match (swept, nearest) {
+            (Ok(solutions), Err(_)) => solutions,
+            (Err(_), Ok(nearest)) => Solutions::one(nearest),
+            (Ok(mut solutions), Ok(nearest)) => {
+                if solutions.iter().all(|other| travel(&other.q, &nearest.q) > S::EPSILON) {
+                    solutions.insert_by_distance(nearest, &padded);
+                }
+                solutions
+            }
+            (Err(_), Err(error)) => return Err(error),
+        };
         out.fill_padded(dof, solutions);
         Ok(())
     }

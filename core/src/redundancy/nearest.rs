@@ -5,7 +5,7 @@
 //! distance. These are sampled, and from every solution at a sample that may have a nearer one on its stretch of curve
 //! the way goes downhill again. Where the bottom is outside limits, the curve is followed to them.
 
-use super::curve::{Curve, Local};
+use super::curve::Curve;
 use super::{Range, Redundancy, SAMPLES};
 use crate::selection::nearest_winding;
 use crate::solutions::travel;
@@ -73,7 +73,8 @@ impl<S: Float> Redundancy<'_, S> {
     /// whole pose and nothing else.
     ///
     /// That none is nearer is proved where the seed is near the curve. Else a curve of solutions that lies between two of
-    /// 48 samples of the free joint's range (6, without a closed form) may be missed.
+    /// 48 samples of the free joint's range may be missed; without a closed form, of 6, unless these have nothing that is
+    /// allowed.
     ///
     /// # Errors
     /// [`IkError::NotFinite`] for such a seed, and those of [`Target::validate_as`]; where no sample has an allowed solution, which limit or rule one of them
@@ -92,7 +93,7 @@ impl<S: Float> Redundancy<'_, S> {
         if !seed.iter().all(|value| value.is_finite()) {
             return Err(IkError::NotFinite);
         }
-        let Arm { at, state } = arm;
+        let Arm { mut at, state } = arm;
         let target = target.validate_as(TargetKind::Pose)?;
         let Target::Pose(pose) = &target else {
             return Err(IkError::WrongTarget { expected: TargetKind::Pose });
@@ -125,7 +126,17 @@ impl<S: Float> Redundancy<'_, S> {
         };
         let own = seed.get(self.joint).copied().unwrap_or(S::ZERO);
         let first = search.curve.local_of(&at_seed);
-        search.run(first, own, self.range(own), at, &position_of);
+        if let Some(bottom) = search.curve.nearest_point(seed, first) {
+            search.bottom(seed, &bottom, false);
+        }
+        if !search.certain {
+            search.run(own, self.range(own), &mut at, &position_of);
+        }
+        // What limits leave may lie between few samples.
+        if search.best.is_none() && self.is_searched() {
+            search.samples = SAMPLES;
+            search.run(own, self.range(own), &mut at, &position_of);
+        }
         match (search.best, search.refusal) {
             (Some((solution, _)), _) => match self.rules.broken_workspace(position_of(&solution.q)) {
                 Some(rule) => Err(IkError::Forbidden { rule }),
@@ -142,20 +153,14 @@ where
     S: Float,
     F: Fn(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
 {
+    /// Solutions at samples of the free joint, and downhill from there.
     fn run(
         &mut self,
-        first: Local<N, S>,
         own: S,
         range: Range<S>,
         mut at: impl FnMut(S) -> Result<Solutions<N, S>, IkError<S>>,
         position_of: impl Fn(&[S; N]) -> [S; 3],
     ) {
-        if let Some(bottom) = self.curve.nearest_point(self.curve.seed, first) {
-            self.bottom(self.curve.seed, &bottom, false);
-            if self.certain {
-                return;
-            }
-        }
         let mut sample = |search: &mut Self, value: S, half: S| {
             let solutions = match at(value) {
                 Ok(solutions) => solutions,
@@ -180,6 +185,10 @@ where
         let alone = self.distance() < most * half;
         let mut step = if alone { S::TWO * self.distance() } else { most };
         let first = sample(self, start, step * half);
+        // A joint whose limits are one value has no others.
+        if !(range.width() > S::ZERO) {
+            return;
+        }
         if alone && fine && !self.returned {
             step /= S::from_f64(FINER);
         }

@@ -147,6 +147,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let last = rows.clone().next_back();
         let row = candidate.free.and_then(|place| rows.nth(place).or(last));
         if let Some(row) = row {
+            self.doubtful = true;
             self.free_steps |= bit(step);
             if let Some(slot) = self.free_rows.get_mut(usize::from(step.index)) {
                 *slot = row as u8;

@@ -30,12 +30,20 @@ struct Trial<'a> {
 /// The charts that find most, the best first, and how badly they do together: the sum over those that are kept, a
 /// missing one counting as one that finds nothing.
 pub(super) fn choose(chain: &GeneralChain) -> (Vec<Chart>, f64) {
+    let (kept, badness) = best(chain, &THROUGH_THE_TARGET);
+    // Joints that a target adds may themselves make a special geometry there; other cuts then go round it.
+    if kept.is_empty() { best(chain, &ALL) } else { (kept, badness) }
+}
+
+/// The best charts of those with these joints dropped, and the directions.
+fn best(chain: &GeneralChain, cuts: &[(u8, bool)]) -> (Vec<Chart>, f64) {
     let mut random = Random(0x2545_f491_4f6c_dd1d);
     let most = ROUNDS.iter().map(|(poses, _)| *poses).max().unwrap_or_default();
     let trials: Vec<Trial<'_>> = (0..most).filter_map(|_| random.trial(chain)).collect();
     let mut charts: Vec<(Chart, f64)> = Vec::new();
-    charts
-        .extend(candidates(chain).into_iter().filter_map(|chart| Some((with_degree(chart, &trials)?, 0.0))));
+    charts.extend(
+        candidates(chain, cuts).into_iter().filter_map(|chart| Some((with_degree(chart, &trials)?, 0.0))),
+    );
     for (poses, promising) in ROUNDS {
         let trials = trials.get(..poses).unwrap_or(&trials);
         charts.retain_mut(|(chart, badness)| score(*chart, trials).map(|score| *badness = score).is_some());
@@ -57,14 +65,33 @@ pub(super) fn choose(chain: &GeneralChain) -> (Vec<Chart>, f64) {
     (kept, together)
 }
 
-/// Every choice in which the two joints that are eliminated first see the line through the target, so that no special
-/// geometry makes the resultant vanish at all poses.
-fn candidates(chain: &GeneralChain) -> Vec<Chart> {
+/// Cuts at which the two joints that are eliminated first see the line through the target, so that no special geometry of
+/// the arm makes the resultant vanish at all poses.
+const THROUGH_THE_TARGET: [(u8, bool); 2] = [(1, true), (4, false)];
+
+/// All cuts.
+const ALL: [(u8, bool); 12] = [
+    (0, false),
+    (0, true),
+    (1, false),
+    (1, true),
+    (2, false),
+    (2, true),
+    (3, false),
+    (3, true),
+    (4, false),
+    (4, true),
+    (5, false),
+    (5, true),
+];
+
+/// Every choice of the other joints.
+fn candidates(chain: &GeneralChain, cuts: &[(u8, bool)]) -> Vec<Chart> {
     let found = chain.prismatic.iter().enumerate().filter(|(joint, _)| !chain.given.contains(joint));
     let found: Vec<bool> = found.map(|(_, slides)| *slides).collect();
     let slides = |joint: usize| found.get(joint).copied().unwrap_or(false);
     let mut charts = Vec::new();
-    for (dropped, backward) in [(1, true), (4, false)] {
+    for &(dropped, backward) in cuts {
         for hidden in 0..3 {
             for (swapped, divided) in [(false, false), (true, false), (false, true), (true, true)] {
                 let chart = Chart::new(dropped, backward, hidden, swapped, divided, 0);

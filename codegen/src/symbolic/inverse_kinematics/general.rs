@@ -44,7 +44,7 @@ pub fn chain(model: &Model, problem: &Problem) -> Result<General, Refusal> {
     }
     let unknowns =
         unknowns::eliminate(model, &problem.constraints, &problem.free).map_err(|_| Refusal::Coupling)?;
-    let behind = behind_the_tool(problem.target).ok_or(Refusal::NotByThisMethod)?;
+    let (behind, tip) = behind_the_tool(problem.target).ok_or(Refusal::NotByThisMethod)?;
     let table = model.chain();
     let mut links = table.links.iter().map(frame);
     let mut general = General { links: Vec::new(), joints: Vec::new(), q: Vec::new() };
@@ -78,6 +78,7 @@ pub fn chain(model: &Model, problem: &Problem) -> Result<General, Refusal> {
         general.links.push(link.compose(&before));
         link = Frame::IDENTITY;
     }
+    link = link.compose(&tip);
     // An arm with fewer joints attains few poses: those that one with more joints attains with the added ones at 0.
     let missing =
         UNKNOWNS.saturating_sub(general.joints.iter().filter(|joint| joint.given.is_none()).count());
@@ -170,20 +171,22 @@ fn frame(link: &Link) -> Frame {
     })
 }
 
-/// The joints that a target adds behind the tool: what stands before each, and whether it slides. `None` where the
-/// target says nothing of the tool's place.
-fn behind_the_tool(target: Target) -> Option<Vec<(Frame, bool)>> {
+/// The joints that a target adds behind the tool: what stands before each, and whether it slides; and what stands behind
+/// the last. With all of them at 0 the tip is the tool. `None` where the target says nothing of the tool's place.
+fn behind_the_tool(target: Target) -> Option<(Vec<(Frame, bool)>, Frame)> {
     let straight = Frame::IDENTITY;
     let (onto_x, onto_y) = (turn(1, (1.0, 0.0)), turn(0, (-1.0, 0.0)));
+    let (off_x, off_y) = (onto_x.inverse(), onto_y.inverse());
     Some(match target {
-        Target::Pose => Vec::new(),
-        Target::PositionDirection => vec![(straight, false)],
-        Target::Ray => vec![(straight, true), (straight, false)],
+        Target::Pose => (Vec::new(), straight),
+        Target::PositionDirection => (vec![(straight, false)], straight),
+        // The turn comes first, for the line through the target must be a joint's that turns.
+        Target::Ray => (vec![(straight, false), (straight, true)], straight),
         // About x, then about y: what roll and pitch add to the yaw.
-        Target::PositionYaw => vec![(onto_x, false), (onto_x.inverse().compose(&onto_y), false)],
-        Target::Position => vec![(straight, false), (onto_x, false), (onto_x.inverse(), false)],
+        Target::PositionYaw => (vec![(onto_x, false), (off_x.compose(&onto_y), false)], off_y),
+        Target::Position => (vec![(straight, false), (onto_x, false), (off_x, false)], straight),
         Target::Lookat => {
-            vec![(straight, true), (straight, false), (onto_x, false), (onto_x.inverse(), false)]
+            (vec![(straight, true), (straight, false), (onto_x, false), (off_x, false)], straight)
         }
         Target::Rotation | Target::Direction | Target::Xy | Target::XyYaw => return None,
     })

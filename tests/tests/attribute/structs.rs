@@ -1,5 +1,6 @@
 //! Unit structs, structs with fields, generic ones; every warning an error.
 #![deny(warnings, missing_docs)]
+#![allow(unreachable_pub, reason = "public structs are what users have")]
 
 use dh_runtime::{Kinematics, dh_robot};
 
@@ -17,13 +18,16 @@ pub struct Fields {
 
 /// A generic arm, whose parameter has the name of a constant of the table.
 #[dh_robot("planar.toml", types = "plain", warnings = "off")]
-pub struct Generic<'a, A1: Iterator<Item = Vec<u8>> = std::vec::IntoIter<Vec<u8>>, const D1: usize = 2>(pub &'a A1)
+pub struct Generic<'a, A1: Iterator<Item = Vec<u8>> = std::vec::IntoIter<Vec<u8>>, const D1: usize = 2>(
+    pub &'a A1,
+)
 where
     A1: Clone;
 
 type Result = std::result::Result<(), Box<dyn std::error::Error>>;
 
-fn main() -> Result {
+#[test]
+fn structs_of_all_kinds() -> Result {
     let pose = Plain.fk(&[0.1, 0.2]);
     assert!(pose.translation.vector.norm() > 0.0);
     let fields = Fields { room: 3 };
@@ -34,7 +38,7 @@ fn main() -> Result {
     let arm: &dyn Kinematics = &generic;
     assert_eq!(arm.fk(&[0.1, 0.2])?, frame);
     assert_eq!(Plain::FINGERPRINT, generic.fingerprint());
-    assert_eq!(fields.room, 3);
+    assert_eq!((fields.room, generic.0.len()), (3, 1));
 
     /// An arm in a function.
     #[dh_robot("planar.toml")]

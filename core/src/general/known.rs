@@ -1,0 +1,43 @@
+//! Solutions that were found, to tell new ones from them.
+
+use super::{JOINTS, waves};
+
+/// Solutions that were found.
+pub(super) struct Known {
+    list: [[f64; JOINTS]; 2 * waves::MAX_ROOTS],
+    len: usize,
+    prismatic: [bool; JOINTS],
+    tolerance: f64,
+}
+
+impl Known {
+    /// None yet; two that are nearer than the tolerance are one.
+    pub(super) const fn new(prismatic: [bool; JOINTS], tolerance: f64) -> Self {
+        Self { list: [[0.0; JOINTS]; 2 * waves::MAX_ROOTS], len: 0, prismatic, tolerance }
+    }
+
+    /// How many there are.
+    pub(super) const fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether it is new, and there is room for it.
+    pub(super) fn insert(&mut self, solution: &[f64; JOINTS]) -> bool {
+        let mut known = self.list.iter().take(self.len);
+        if known.any(|other| same(other, solution, self.prismatic, self.tolerance)) {
+            return false;
+        }
+        let Some(place) = self.list.get_mut(self.len) else { return false };
+        *place = *solution;
+        self.len += 1;
+        true
+    }
+}
+
+/// Whether two sets of joint values are one but for whole turns.
+pub(crate) fn same(a: &[f64; JOINTS], b: &[f64; JOINTS], prismatic: [bool; JOINTS], tolerance: f64) -> bool {
+    a.iter().zip(b).zip(prismatic).all(|((a, b), slides)| {
+        let apart = if slides { a - b } else { crate::Float::wrap_angle(a - b) };
+        libm::fabs(apart) <= tolerance
+    })
+}
