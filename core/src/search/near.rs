@@ -6,10 +6,7 @@
 //! near a root of each, one after the other. What they may be off by is carried from step to step, and where it comes near
 //! what would make two roots one, or no root of one, nothing is concluded.
 
-mod fold;
 mod newton;
-
-use fold::Fold;
 
 use super::{Roots, Search};
 use crate::frame::{norm, sub};
@@ -38,8 +35,6 @@ pub struct Near<'a, const N: usize, S = f64> {
     gains: &'a [f64],
     /// What the unknown of each step may be off by (rad, reaches).
     off: [S; STEPS],
-    /// Bit i is set where the two roots of step i may have met, on the branch that is under way.
-    folds: u32,
     doubtful: bool,
 }
 
@@ -49,13 +44,10 @@ const STEPS: usize = 16;
 /// A coefficient is this many times what it may be off by, at least.
 const MARGIN: f64 = 2.0;
 
-/// Two rows may have any direction where what they are off by turns it by this much (rad): steps that follow are off in
-/// proportion to what earlier ones are, up to here. Where none follows, the whole pose decides.
-const UNSURE: f64 = 0.4;
-const UNSURE_AT_LAST: f64 = 1.0;
-
-/// Cosine and sine that are off the unit circle by more than this belong to no root.
-const FALSE: f64 = 0.25;
+/// Steps that follow are off in proportion to what earlier unknowns are, up to here (rad, reaches). Where none follows, the
+/// whole pose decides.
+const UNSURE: f64 = 0.1;
+const UNSURE_AT_LAST: f64 = 0.4;
 
 /// An error (reaches, rad) of so many machine epsilons of the target is none: it comes of rounding in the closed form.
 const MET: f64 = 1e6;
@@ -69,7 +61,6 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             unknowns: nearly.unknowns,
             gains: nearly.gains,
             off: [S::ZERO; STEPS],
-            folds: 0,
             doubtful: false,
         }
     }
@@ -77,7 +68,6 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     /// What a step's equation may be off by, in its own dimension.
     #[inline]
     fn begin(&mut self, step: Step) -> S {
-        self.folds &= !super::bit(step);
         let index = usize::from(step.index);
         let Some([deviation, gains @ ..]) = self.gains.get(row(index)..row(index + 1)) else {
             return S::INFINITY;
@@ -97,9 +87,10 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     /// Notes by how much (rad, reaches) the unknown of a step may be off.
     #[inline]
     fn end(&mut self, step: Step, by: S) {
+        let unsure = if self.is_last(step) { UNSURE_AT_LAST } else { UNSURE };
         match self.off.get_mut(usize::from(step.index)) {
-            Some(off) => *off = by,
-            None => self.doubtful = true,
+            Some(off) if above(S::from_f64(unsure), by) => *off = by,
+            _ => self.doubtful = true,
         }
     }
 
@@ -122,27 +113,12 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             self.end(step, off / root);
             return super::trigonometric::both(a, b, c, root, S::ONE / square);
         }
-        self.trig_at_fold(step, [a, b, c], off)
-    }
-
-    /// [`Near::trig`] where there is one root, or none.
-    #[cold]
-    #[inline(never)]
-    fn trig_at_fold(&mut self, step: Step, [a, b, c]: [S; 3], off: S) -> Roots<S> {
-        let h = (a * a + b * b).sqrt();
+        let h = square.sqrt();
         let excess = c.abs() - h;
-        if excess > off && off.is_finite() {
+        if excess > S::from_f64(MARGIN) * off && off.is_finite() {
             return self.search.unreachable_by(step, excess, h);
         }
-        if !above(h, S::from_f64(MARGIN) * off) || self.folds != 0 {
-            return self.doubt();
-        }
-        self.folds |= super::bit(step);
-        // cos(x) = 1 - excess / h, and that is off by off / h.
-        let far = (S::TWO * (excess.abs() + S::TWO * off) / h).sqrt();
-        self.end(step, far);
-        let size = if c < S::ZERO { -h } else { h };
-        Roots::angle([b / size, a / size])
+        self.doubt()
     }
 
     /// [`Search::trig_unit`]: its two roots meet where d and e vanish.
@@ -170,19 +146,14 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let h = if h1 > h2 { h1 } else { h2 };
         let inverse = S::ONE / determinant;
         let by = off * h.sqrt() * inverse.abs();
-        let unsure = if self.is_last(step) { UNSURE_AT_LAST } else { UNSURE };
-        if !above(S::from_f64(unsure), by) {
-            return self.doubt();
-        }
         let (cos, sin) = ((c1 * b2 - c2 * b1) * inverse, (a1 * c2 - a2 * c1) * inverse);
-        let square = cos * cos + sin * sin;
-        let length = square.sqrt();
+        let length = (cos * cos + sin * sin).sqrt();
         let miss = (length - S::ONE).abs();
         self.end(step, by);
-        if miss > S::from_f64(FALSE) && self.folds == 0 {
+        if miss > S::from_f64(MARGIN) * by + S::from_f64(FALSE) {
             return self.search.unreachable_by(step, miss * h.sqrt(), h.sqrt());
         }
-        if miss > S::from_f64(MET) * S::EPSILON && self.folds == 0 {
+        if !above(S::from_f64(MET) * S::EPSILON, miss) {
             return self.doubt();
         }
         let unit = S::ONE / length;
@@ -252,10 +223,6 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         }
         let position_error = norm(sub(tool.translation, target.translation));
         let rotation_error = rotation_error(&target.rotation, &tool.rotation);
-        if self.folds != 0 {
-            self.accept_fold(q, target, pose_and_jacobian);
-            return;
-        }
         let miss = (position_error / self.search.reach).max(rotation_error);
         if !above(S::from_f64(MET) * S::EPSILON, miss) {
             // A false root of a squared equation; of one that nearly is none, nothing is known.
@@ -267,24 +234,6 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         let reach = self.search.reach;
         match newton::solve(q, &self.unknowns, target, reach, pose_and_jacobian) {
             Some(found) => self.add(found),
-            None => self.doubtful = true,
-        }
-    }
-
-    /// A candidate on whose way two roots may have met.
-    #[cold]
-    #[inline(never)]
-    fn accept_fold(
-        &mut self,
-        q: [S; N],
-        target: &Frame<S>,
-        pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
-    ) {
-        let far = self.off.get(self.folds.trailing_zeros() as usize).copied().unwrap_or(S::INFINITY);
-        let reach = self.search.reach;
-        match fold::solve(q, &self.unknowns, target, reach, far, pose_and_jacobian) {
-            Some(Fold::Both(both)) => both.into_iter().for_each(|found| self.add(found)),
-            Some(Fold::Neither) => {}
             None => self.doubtful = true,
         }
     }

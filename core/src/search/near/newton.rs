@@ -71,19 +71,19 @@ pub(super) fn solve<const N: usize, S: Float>(
 }
 
 /// What is missing of a pose, and the change of joint values that makes up for it.
-pub(super) struct Equations<S> {
+struct Equations<S> {
     /// Columns of the Jacobian, and what is missing: reaches, then rad.
-    pub(super) rows: [[S; UNKNOWNS + 1]; UNKNOWNS],
+    rows: [[S; UNKNOWNS + 1]; UNKNOWNS],
     /// m
-    pub(super) position_error: S,
+    position_error: S,
     /// rad
-    pub(super) rotation_error: S,
+    rotation_error: S,
 }
 
 impl<S: Float> Equations<S> {
     /// At a tool frame with its Jacobian.
     #[inline]
-    pub(super) fn new(
+    fn new(
         unknowns: &[usize; UNKNOWNS],
         tool: &Frame<S>,
         jacobian: &[[S; 6]],
@@ -132,7 +132,7 @@ impl<S: Float> Equations<S> {
             }
             eliminate(a, k);
         }
-        substitute(a, UNKNOWNS, UNKNOWNS)
+        substitute(a)
     }
 }
 
@@ -177,7 +177,7 @@ fn unpivoted<S: Float>(rows: &[[S; UNKNOWNS + 1]; UNKNOWNS]) -> Option<[S; UNKNO
 
 /// Takes the unknown of column `k` out of the rows below row `k`.
 #[inline]
-pub(super) fn eliminate<S: Float>(a: &mut [[S; UNKNOWNS + 1]; UNKNOWNS], k: usize) {
+fn eliminate<S: Float>(a: &mut [[S; UNKNOWNS + 1]; UNKNOWNS], k: usize) {
     let top = a[k];
     let inverse = S::ONE / top[k];
     for row in a.iter_mut().skip(k + 1) {
@@ -188,18 +188,12 @@ pub(super) fn eliminate<S: Float>(a: &mut [[S; UNKNOWNS + 1]; UNKNOWNS], k: usiz
     }
 }
 
-/// The first `count` unknowns of equations that were brought to triangular form, by the right-hand sides of a column; 0
-/// for the others.
-#[inline]
-pub(super) fn substitute<S: Float>(
-    a: &[[S; UNKNOWNS + 1]; UNKNOWNS],
-    count: usize,
-    column: usize,
-) -> [S; UNKNOWNS] {
+/// The unknowns of equations that were brought to triangular form.
+fn substitute<S: Float>(a: &[[S; UNKNOWNS + 1]; UNKNOWNS]) -> [S; UNKNOWNS] {
     let mut x = [S::ZERO; UNKNOWNS];
-    for k in (0..count).rev() {
-        let mut value = a[k][column];
-        for j in k + 1..count {
+    for k in (0..UNKNOWNS).rev() {
+        let mut value = a[k][UNKNOWNS];
+        for j in k + 1..UNKNOWNS {
             value -= a[k][j] * x[j];
         }
         x[k] = value / a[k][k];
