@@ -68,7 +68,7 @@ fn function(
     let otherwise = general::function(model, index, problem).ok()?.function;
     let mut function = inverse::function(model, index, problem, derivation, true, constants);
     let gains = gains::of(nominal, &function, &constants.values(), deviation)?;
-    let nearly = Nearly { unknowns: unknowns.try_into().ok()?, gains: gains.concat() };
+    let nearly = Nearly { unknowns: unknowns.try_into().ok()?, gains: gains.concat(), deviation };
     // Where a seed matters, the table is solved as it is.
     function.unknowns = otherwise.unknowns;
     let behind = Behind {
@@ -137,6 +137,8 @@ pub struct Nearly {
     pub unknowns: [usize; 6],
     /// See [`dh_core::Nearly::gains`].
     pub gains: Vec<f64>,
+    /// See [`dh_core::Nearly::deviation`].
+    pub deviation: f64,
 }
 
 /// How far apart the tool frames of two arms are at the same joint values (reaches, rad), at most.

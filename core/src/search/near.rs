@@ -4,11 +4,13 @@
 //! brought to the pose of the arm as it is by Newton's method. None is lost by this as long as every step of the closed form
 //! is well-conditioned: joint values of the arm meet the steps' equations but for the deviation of the two arms, and so are
 //! near a root of each, one after the other. What they may be off by is carried from step to step, and where it comes near
-//! what would make two roots one, or no root of one, nothing is concluded.
+//! what would make two roots one, or no root of one, poses all around the target are solved as well ([`seek`]).
 
 mod newton;
+mod seek;
 
 use super::{Roots, Search};
+use seek::Seek;
 use crate::frame::{norm, sub};
 use crate::{Float, Frame, IkError, Polished, Solution, Solutions, Step, Winding, rotation_error};
 
@@ -23,11 +25,14 @@ pub struct Nearly<'a> {
     /// By how much each step of the closed form is off, in the size of its equation: first what the deviation of the two
     /// arms makes at most; then, for the unknown of every step before, what one that is off by 1 (rad, reaches) does.
     pub gains: &'a [f64],
+    /// How far apart the tool frames of the two are at the same joint values, at most (reaches, rad).
+    pub deviation: f64,
 }
 
 /// A search of the arm that a nearly special one was meant to be.
 ///
-/// It has the steps of [`Search`]. [`Near::finish`] has an answer where no step came near its singular condition.
+/// It has the steps of [`Search`], which are to be done for every pose of [`Near::next_pose`]. Where no step came near its
+/// singular condition, that is the target alone.
 #[derive(Debug, Clone)]
 pub struct Near<'a, const N: usize, S = f64> {
     search: Search<'a, N, S>,
@@ -36,6 +41,10 @@ pub struct Near<'a, const N: usize, S = f64> {
     /// What the unknown of each step may be off by (rad, reaches).
     off: [S; STEPS],
     doubtful: bool,
+    target: Frame<S>,
+    begun: bool,
+    seek: Option<Seek<N, S>>,
+    deviation: f64,
 }
 
 /// The most steps that are kept track of.
@@ -49,20 +58,37 @@ const MARGIN: f64 = 2.0;
 const UNSURE: f64 = 0.1;
 const UNSURE_AT_LAST: f64 = 0.4;
 
+/// Cosine and sine that are off the unit circle by more than this belong to no root.
+const FALSE: f64 = 0.25;
+
 /// An error (reaches, rad) of so many machine epsilons of the target is none: it comes of rounding in the closed form.
 const MET: f64 = 1e6;
 
 impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     /// A new search, see [`Search::new`].
     #[inline]
-    pub fn new(reach: S, windings: &'a [Winding<'a, S>], nearly: &Nearly<'a>) -> Self {
+    pub fn new(reach: S, windings: &'a [Winding<'a, S>], nearly: &Nearly<'a>, target: &Frame<S>) -> Self {
         Self {
             search: Search::new(reach, windings),
             unknowns: nearly.unknowns,
             gains: nearly.gains,
             off: [S::ZERO; STEPS],
             doubtful: false,
+            target: *target,
+            begun: false,
+            seek: None,
+            deviation: nearly.deviation,
         }
+    }
+
+    /// The next pose that the arm that was meant is to be solved for.
+    #[inline]
+    pub fn next_pose(&mut self) -> Option<Frame<S>> {
+        if self.begun {
+            return if self.doubtful { self.next_neighbour() } else { None };
+        }
+        self.begun = true;
+        Some(self.target)
     }
 
     /// What a step's equation may be off by, in its own dimension.
@@ -103,6 +129,9 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     /// [`Search::trig`]: its two roots meet where a² + b² = c².
     #[inline]
     pub fn trig(&mut self, step: Step, a: S, b: S, c: S) -> Roots<S> {
+        if self.seek.is_some() {
+            return self.search.trig(step, a, b, c);
+        }
         let off = self.begin(step);
         let (square, inside) = (a * a + b * b, c * c);
         let rest = square - inside;
@@ -123,7 +152,11 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
 
     /// [`Search::trig_unit`]: its two roots meet where d and e vanish.
     #[inline]
-    pub fn trig_unit(&mut self, step: Step, [a, b, c]: [S; 3], [d, e]: [S; 2]) -> Roots<S> {
+    pub fn trig_unit(&mut self, step: Step, row: [S; 3], others: [S; 2]) -> Roots<S> {
+        if self.seek.is_some() {
+            return self.search.trig_unit(step, row, others);
+        }
+        let ([a, b, c], [d, e]) = (row, others);
         let off = self.begin(step);
         let rest = d * d + e * e;
         let margin = S::from_f64(MARGIN) * off;
@@ -139,6 +172,9 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     /// [`Search::trig_pair`]: it has no root where the rows are one, or vanish.
     #[inline]
     pub fn trig_pair(&mut self, step: Step, first: [S; 3], second: [S; 3]) -> Roots<S> {
+        if self.seek.is_some() {
+            return self.search.trig_pair(step, first, second);
+        }
         let off = self.begin(step);
         let ([a1, b1, c1], [a2, b2, c2]) = (first, second);
         let determinant = a1 * b2 - a2 * b1;
@@ -162,6 +198,9 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
 
     /// [`Search::linear`]: it has no root where a vanishes.
     pub fn linear(&mut self, step: Step, a: S, c: S) -> Roots<S> {
+        if self.seek.is_some() {
+            return self.search.linear(step, a, c);
+        }
         let off = self.begin(step);
         let unit = if step.prismatic { self.search.reach } else { S::ONE };
         let slope = (a * unit).abs();
@@ -175,6 +214,9 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
 
     /// [`Search::quadratic`]: its two roots meet where b² = 4 a c.
     pub fn quadratic(&mut self, step: Step, a: S, b: S, c: S) -> Roots<S> {
+        if self.seek.is_some() {
+            return self.search.quadratic(step, a, b, c);
+        }
         let off = self.begin(step);
         let unit = if step.prismatic { self.search.reach } else { S::ONE };
         let (a, half) = (a * unit * unit, b * unit / S::TWO);
@@ -200,13 +242,19 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     /// The next root (rad or m) to go on with.
     #[inline]
     pub fn next(&mut self, roots: &mut Roots<S>) -> Option<S> {
-        if self.doubtful { None } else { self.search.next(roots) }
+        if self.stopped() { None } else { self.search.next(roots) }
     }
 
     /// The same for an angle (rad), with its sine and cosine.
     #[inline]
     pub fn next_angle(&mut self, roots: &mut Roots<S>) -> Option<(S, S, S)> {
-        if self.doubtful { None } else { self.search.next_angle(roots) }
+        if self.stopped() { None } else { self.search.next_angle(roots) }
+    }
+
+    /// Whether the closed form alone was tried in vain.
+    #[inline]
+    fn stopped(&self) -> bool {
+        self.doubtful && self.seek.is_none()
     }
 
     /// A solution of the arm that was meant, with its tool frame there: brought to the target by Newton's method on the arm
@@ -215,12 +263,13 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         &mut self,
         q: [S; N],
         tool: &Frame<S>,
-        target: &Frame<S>,
         pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
     ) {
         if self.doubtful {
+            self.seek_from(q, tool, pose_and_jacobian);
             return;
         }
+        let target = &self.target;
         let position_error = norm(sub(tool.translation, target.translation));
         let rotation_error = rotation_error(&target.rotation, &tool.rotation);
         let miss = (position_error / self.search.reach).max(rotation_error);
@@ -254,7 +303,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     /// What was found, or that there is nothing to be found; `None` where that is not sure.
     #[inline]
     pub fn finish(&mut self) -> Option<Result<Solutions<N, S>, IkError<S>>> {
-        if self.doubtful { None } else { Some(self.search.finish()) }
+        if self.doubtful { self.sought() } else { Some(self.search.finish()) }
     }
 }
 

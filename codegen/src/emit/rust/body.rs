@@ -129,17 +129,25 @@ impl Body<'_> {
                         clean(meant)
                     );
                     text.paragraph("//", &meant);
-                    text.line(self.search(["Near", "new"], self.nearly));
-                    self.steps(text, body, accept);
+                    let near = self.leaves.paths.runtime("Near");
+                    let ([reach, windings], nearly) = (self.search, self.nearly);
+                    text.line(format!("let mut search = {near}::new({reach}, &{windings}, &{nearly}, &pose);"));
                     let some = self.leaves.paths.prelude("Some");
+                    text.line(format!("while let {some}(asked) = search.next_pose() {{"));
+                    let mut nested = Text::indented(text.indent() / 4 + 1);
+                    let rows: Vec<_> = (0..12).map(|i| self.name(ValueId(i))).collect();
+                    nested.line(format!("let [{}] = asked.rows();", rows.join(", ")));
+                    self.steps(&mut nested, body, accept);
+                    text.append(&nested.into_string());
+                    text.line("}");
                     text.line(format!("if let {some}(answer) = search.finish() {{"));
                     text.line("    return answer;");
                     text.line("}");
                     text.gap();
-                    text.paragraph("//", "Near a singular pose of it, the arm as it is.");
+                    text.paragraph("//", "Where those may not be all, the arm as it is.");
                     let target = self.leaves.paths.runtime("Target");
                     text.line(format!("let target = {target}::Pose(pose);"));
-                    text.line(self.search(["Search", "about"], "wanted"));
+                    text.line("let mut search = search.otherwise(&wanted);");
                     self.steps(text, otherwise, accept);
                 }
                 Step::Accept { q, tool, polish } => accept(text, &Candidate { q, tool, polish: *polish }),

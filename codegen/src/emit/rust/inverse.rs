@@ -49,14 +49,15 @@ impl<'a> Printer<'a> {
             lines.line(format!("let target = target.validate_as({kind})?;"));
             "target.numbers().array()"
         };
-        if let Some(numbers) = numbers {
+        let near = matches!(function.steps[..], [Step::Near { .. }]);
+        if let (Some(numbers), false) = (numbers, near) {
             lines.line(format!("let {numbers} = {source};"));
         }
         if let Some(free) = &free {
             lines.line(format!("let {free} = *free;"));
         }
         self.wanted(&mut lines, function);
-        if !matches!(function.steps[..], [Step::Near { .. }]) {
+        if !near {
             lines.line(body.search(["Search", "about"], "wanted"));
         }
         body.steps(&mut lines, &function.steps, &|text, candidate| {
@@ -151,6 +152,8 @@ impl<'a> Printer<'a> {
             (gains, length) = (rest, length + 1);
         }
         text.line("    ],");
+        let deviation = number(nearly.deviation, super::ScalarType::F64, &self.paths);
+        text.line(format!("    deviation: {deviation},"));
         text.line("};");
     }
 
@@ -206,7 +209,9 @@ impl<'a> Printer<'a> {
             "&tool"
         };
         if candidate.polish {
-            text.line(format!("search.accept_pose(q, {tool}, &pose, pose_and_jacobian);"));
+            let near = matches!(body.function.steps[..], [Step::Near { .. }]);
+            let target = if near { "" } else { "&pose, " };
+            text.line(format!("search.accept_pose(q, {tool}, {target}pose_and_jacobian);"));
             return;
         }
         let tool = Expression::Atom(tool.to_owned());

@@ -27,6 +27,7 @@ const OURS: [&str; 24] = [
     "free",
     "unknowns",
     "wanted",
+    "asked",
     "candidates",
 ];
 

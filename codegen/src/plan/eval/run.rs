@@ -29,6 +29,10 @@ impl<S: Float> Registers<S> {
         self.0[register] = value;
     }
 
+    fn set_first(&mut self, values: [S; 12]) {
+        self.0.iter_mut().zip(values).for_each(|(slot, value)| *slot = value);
+    }
+
     fn all<const N: usize>(&self, registers: [Register; N]) -> [S; N] {
         registers.map(|register| self.get(register))
     }
@@ -248,14 +252,23 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
     }
 
     fn near(&mut self, near: &'r routine::Near, registers: &mut Registers<S>) {
-        let nearly = Nearly { unknowns: near.nearly.unknowns, gains: &near.nearly.gains };
-        self.search = Searching::Near(Near::new(self.reach, self.windings, &nearly));
-        self.block(&near.body, registers);
-        let new = Searching::Exact(Search::about(self.reach, self.windings, self.wanted));
-        let Searching::Near(mut search) = std::mem::replace(&mut self.search, new) else { return };
+        let Target::Pose(target) = self.target else { return };
+        let crate::plan::Nearly { unknowns, gains, deviation } = &near.nearly;
+        let nearly = Nearly { unknowns: *unknowns, gains, deviation: *deviation };
+        self.search = Searching::Near(Near::new(self.reach, self.windings, &nearly, target));
+        while let Searching::Near(search) = &mut self.search
+            && let Some(asked) = search.next_pose()
+        {
+            registers.set_first(asked.rows());
+            self.block(&near.body, registers);
+        }
+        let Searching::Near(search) = &mut self.search else { return };
         match search.finish() {
             Some(answer) => self.search = Searching::Done(answer),
-            None => self.block(&near.otherwise, registers),
+            None => {
+                self.search = Searching::Exact(search.otherwise(self.wanted));
+                self.block(&near.otherwise, registers);
+            }
         }
     }
 
@@ -291,7 +304,7 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
             let exact = |q: &[S; MAX_JOINTS]| pose_and_jacobian(both, q.get(..dof).unwrap_or_default());
             match &mut self.search {
                 Searching::Exact(search) => search.accept_pose(q, &tool, target, exact),
-                Searching::Near(near) => near.accept_pose(q, &tool, target, exact),
+                Searching::Near(near) => near.accept_pose(q, &tool, exact),
                 Searching::Done(_) => {}
             }
         } else if let Searching::Exact(search) = &mut self.search {

@@ -70,6 +70,51 @@ pub(super) fn solve<const N: usize, S: Float>(
     None
 }
 
+/// Where joint values are, seen from a target.
+pub(super) struct Place<S> {
+    /// What is missing (reaches, then rad).
+    pub(super) missing: [S; UNKNOWNS],
+    /// Changes of the unknowns by which the tool moves least, the greatest of them 1; which that is; how little.
+    pub(super) idle: [S; UNKNOWNS],
+    pub(super) leads: usize,
+    pub(super) pivot: S,
+}
+
+/// See [`Place`].
+pub(super) fn place<S: Float>(
+    unknowns: &[usize; UNKNOWNS],
+    tool: &Frame<S>,
+    jacobian: &[[S; 6]],
+    target: &Frame<S>,
+    reach: S,
+) -> Option<Place<S>> {
+    let mut at = Equations::new(unknowns, tool, jacobian, target, reach)?;
+    let missing = at.rows.map(|row| row[UNKNOWNS]);
+    at.triangular();
+    let a = &at.rows;
+    let (mut pivot, mut column) = (S::INFINITY, 0);
+    for (k, row) in a.iter().enumerate() {
+        if row[k].abs() <= pivot {
+            (pivot, column) = (row[k].abs(), k);
+        }
+    }
+    let mut idle = [S::ZERO; UNKNOWNS];
+    idle[column] = S::ONE;
+    let mut leads = column;
+    for k in (0..column).rev() {
+        let mut value = S::ZERO;
+        for j in k + 1..=column {
+            value -= a[k][j] * idle[j];
+        }
+        idle[k] = value / a[k][k];
+        if idle[k].abs() > idle[leads].abs() {
+            leads = k;
+        }
+    }
+    let most = idle[leads];
+    Some(Place { missing, idle: idle.map(|part| part / most), leads, pivot })
+}
+
 /// What is missing of a pose, and the change of joint values that makes up for it.
 struct Equations<S> {
     /// Columns of the Jacobian, and what is missing: reaches, then rad.
@@ -121,6 +166,11 @@ impl<S: Float> Equations<S> {
     #[cold]
     #[inline(never)]
     fn pivoted(&mut self) -> [S; UNKNOWNS] {
+        self.triangular();
+        substitute(&self.rows)
+    }
+
+    fn triangular(&mut self) {
         let a = &mut self.rows;
         for k in 0..UNKNOWNS {
             for r in k + 1..UNKNOWNS {
@@ -132,7 +182,6 @@ impl<S: Float> Equations<S> {
             }
             eliminate(a, k);
         }
-        substitute(a)
     }
 }
 
