@@ -68,7 +68,12 @@ fn function(
     let otherwise = general::function(model, index, problem).ok()?.function;
     let mut function = inverse::function(model, index, problem, derivation, true, constants);
     let gains = gains::of(nominal, &function, &constants.values(), deviation)?;
-    let nearly = Nearly { unknowns: unknowns.try_into().ok()?, gains: gains.concat(), deviation };
+    let nearly = Nearly {
+        unknowns: unknowns.try_into().ok()?,
+        gains: gains.concat(),
+        deviation,
+        offsets: offsets(&otherwise),
+    };
     // Where a seed matters, the table is solved as it is.
     function.unknowns = otherwise.unknowns;
     let behind = Behind {
@@ -139,6 +144,38 @@ pub struct Nearly {
     pub gains: Vec<f64>,
     /// See [`dh_core::Nearly::deviation`].
     pub deviation: f64,
+    /// See [`dh_core::Nearly::chain`].
+    pub offsets: Option<[f64; 6]>,
+}
+
+/// What is added to six joint values for those of the chain; `None` where these are not the same but for that.
+fn offsets(general: &Function) -> Option<[f64; 6]> {
+    let [Step::General { roots, body, .. }] = general.steps.as_slice() else { return None };
+    let [Step::Accept { q, .. }] = body.as_slice() else { return None };
+    let at = |values: [f64; 6]| -> Option<[f64; 6]> {
+        let root = |id: ValueId| Some(values[roots.iter().position(|root| *root == id)?]);
+        let q: Option<Vec<f64>> = q.iter().map(|q| number(q, &root)).collect();
+        q?.try_into().ok()
+    };
+    let from = at([0.0; 6])?;
+    let joints: [f64; 6] = std::array::from_fn(|joint| (joint + 1) as f64);
+    let to = at(joints)?;
+    let alike = from.iter().zip(to).zip(joints).all(|((from, to), joint)| (to - from - joint).abs() < 1e-12);
+    (roots.len() == 6 && alike).then(|| from.map(|q| 0.0 - q))
+}
+
+fn number(scalar: &Scalar, value: &dyn Fn(ValueId) -> Option<f64>) -> Option<f64> {
+    let of = |x: &Scalar| number(x, value);
+    Some(match scalar {
+        Scalar::Value(id) => value(*id)?,
+        Scalar::Constant(_) => return None,
+        Scalar::Number(value) => *value,
+        Scalar::Neg(x) => -of(x)?,
+        Scalar::Add(x, y) => of(x)? + of(y)?,
+        Scalar::Sub(x, y) => of(x)? - of(y)?,
+        Scalar::Mul(x, y) => of(x)? * of(y)?,
+        Scalar::Div(x, y) => of(x)? / of(y)?,
+    })
 }
 
 /// How far apart the tool frames of two arms are at the same joint values (reaches, rad), at most.

@@ -10,9 +10,11 @@ mod newton;
 mod seek;
 
 use super::{Roots, Search};
-use seek::Seek;
 use crate::frame::{norm, sub};
-use crate::{Float, Frame, IkError, Polished, Solution, Solutions, Step, Winding, rotation_error};
+use crate::{
+    Float, Frame, GeneralArm, IkError, Polished, Solution, Solutions, Step, Winding, rotation_error,
+};
+use seek::Seek;
 
 /// How many joints are found.
 const UNKNOWNS: usize = 6;
@@ -27,6 +29,9 @@ pub struct Nearly<'a> {
     pub gains: &'a [f64],
     /// How far apart the tool frames of the two are at the same joint values, at most (reaches, rad).
     pub deviation: f64,
+    /// The arm as it is, where all its joints are found: its chain, and what is added to the joint values for those of the
+    /// chain (rad, m).
+    pub chain: Option<(GeneralArm<'a>, [f64; UNKNOWNS])>,
 }
 
 /// A search of the arm that a nearly special one was meant to be.
@@ -45,6 +50,7 @@ pub struct Near<'a, const N: usize, S = f64> {
     begun: bool,
     seek: Option<Seek<N, S>>,
     deviation: f64,
+    chain: Option<(GeneralArm<'a>, [f64; UNKNOWNS])>,
 }
 
 /// The most steps that are kept track of.
@@ -65,7 +71,7 @@ const FALSE: f64 = 0.25;
 const MET: f64 = 1e6;
 
 impl<'a, const N: usize, S: Float> Near<'a, N, S> {
-    /// A new search, see [`Search::new`].
+    /// A new search, see [`Search::new`], for a pose of the tool.
     #[inline]
     pub fn new(reach: S, windings: &'a [Winding<'a, S>], nearly: &Nearly<'a>, target: &Frame<S>) -> Self {
         Self {
@@ -78,6 +84,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             begun: false,
             seek: None,
             deviation: nearly.deviation,
+            chain: nearly.chain,
         }
     }
 

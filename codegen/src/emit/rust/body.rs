@@ -131,7 +131,9 @@ impl Body<'_> {
                     text.paragraph("//", &meant);
                     let near = self.leaves.paths.runtime("Near");
                     let ([reach, windings], nearly) = (self.search, self.nearly);
-                    text.line(format!("let mut search = {near}::new({reach}, &{windings}, &{nearly}, &pose);"));
+                    text.line(format!(
+                        "let mut search = {near}::new({reach}, &{windings}, &{nearly}, &pose);"
+                    ));
                     let some = self.leaves.paths.prelude("Some");
                     text.line(format!("while let {some}(asked) = search.next_pose() {{"));
                     let mut nested = Text::indented(text.indent() / 4 + 1);

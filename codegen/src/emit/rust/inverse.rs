@@ -129,7 +129,7 @@ impl<'a> Printer<'a> {
             match step {
                 Step::General { chain, .. } => self.chain(text, &locals.chain, chain),
                 Step::Near { nearly, otherwise, .. } => {
-                    self.nearly(text, &locals.nearly, nearly);
+                    self.nearly(text, locals, nearly);
                     self.arms(text, otherwise, locals);
                 }
                 _ => {}
@@ -138,12 +138,15 @@ impl<'a> Printer<'a> {
     }
 
     /// What a nearly special arm is to the one that was meant.
-    fn nearly(&self, text: &mut Text, name: &str, nearly: &Nearly) {
+    fn nearly(&self, text: &mut Text, locals: &Locals, nearly: &Nearly) {
+        let (name, chain) = (&locals.nearly, &locals.chain);
         let ty = self.paths.runtime("Nearly");
         text.line("#[rustfmt::skip]");
         text.line(format!("const {name}: {ty}<'static> = {ty} {{"));
         text.line(format!("    unknowns: {:?},", nearly.unknowns));
-        text.line("    // What each step is off by: by the deviation; by earlier unknowns that are off by 1.");
+        text.line(
+            "    // What each step is off by: by the deviation; by earlier unknowns that are off by 1.",
+        );
         text.line("    gains: &[");
         let (mut gains, mut length) = (nearly.gains.as_slice(), 1);
         while let Some((row, rest)) = gains.split_at_checked(length).filter(|(row, _)| !row.is_empty()) {
@@ -154,6 +157,16 @@ impl<'a> Printer<'a> {
         text.line("    ],");
         let deviation = number(nearly.deviation, super::ScalarType::F64, &self.paths);
         text.line(format!("    deviation: {deviation},"));
+        let [some, none] = ["Some", "None"].map(|name| self.paths.prelude(name));
+        let offset = |x: &f64| {
+            let size = number(x.abs(), super::ScalarType::F64, &self.paths);
+            if *x < 0.0 { format!("-{size}") } else { size }
+        };
+        let chain = nearly.offsets.as_ref().map_or(none, |offsets| {
+            let offsets: Vec<_> = offsets.iter().map(offset).collect();
+            format!("{some}(({chain}, [{}]))", offsets.join(", "))
+        });
+        text.line(format!("    chain: {chain},"));
         text.line("};");
     }
 

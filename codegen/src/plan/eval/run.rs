@@ -253,8 +253,12 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
 
     fn near(&mut self, near: &'r routine::Near, registers: &mut Registers<S>) {
         let Target::Pose(target) = self.target else { return };
-        let crate::plan::Nearly { unknowns, gains, deviation } = &near.nearly;
-        let nearly = Nearly { unknowns: *unknowns, gains, deviation: *deviation };
+        let crate::plan::Nearly { unknowns, gains, deviation, offsets } = &near.nearly;
+        let chain = near.otherwise.iter().find_map(|instruction| match instruction {
+            Instruction::General(general) => Some(general.chain.arm()),
+            _ => None,
+        });
+        let nearly = Nearly { unknowns: *unknowns, gains, deviation: *deviation, chain: chain.zip(*offsets) };
         self.search = Searching::Near(Near::new(self.reach, self.windings, &nearly, target));
         while let Searching::Near(search) = &mut self.search
             && let Some(asked) = search.next_pose()

@@ -5,10 +5,10 @@
 
 use super::newton::{self, Place};
 use super::{Near, UNKNOWNS};
+use crate::frame::{norm, sub};
 use crate::polish::{Polished, polish};
 use crate::search::Search;
-use crate::frame::{norm, sub};
-use crate::{Float, Frame, IkError, Solution, Solutions, Wanted, Winding, rotation_error};
+use crate::{Float, Frame, GeneralArm, IkError, Solution, Solutions, Wanted, Winding, rotation_error};
 
 /// What has been found at poses around the target.
 #[derive(Debug, Clone)]
@@ -20,7 +20,9 @@ pub(super) struct Seek<const N: usize, S> {
     /// Of them, those since the last that led to something new.
     idle: u32,
     found: Solutions<N, S>,
-    /// Places on curves that were followed, the last ones.
+    /// Whether that is all, as the general chain says.
+    complete: bool,
+    /// Solutions from which curves were followed, or to which.
     walked: [[S; N]; PLACES],
     places: usize,
 }
@@ -71,14 +73,26 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
     #[inline(never)]
     pub(super) fn next_neighbour(&mut self) -> Option<Frame<S>> {
         let target = self.target;
-        let seek = self.seek.get_or_insert_with(|| Seek {
-            pose: target,
-            asked: 0,
-            idle: 0,
-            found: Solutions::EMPTY,
-            walked: [[S::ZERO; N]; PLACES],
-            places: 0,
-        });
+        let seek = if let Some(seek) = &mut self.seek {
+            seek
+        } else {
+            let mut seek = Seek {
+                pose: target,
+                asked: 0,
+                idle: 0,
+                found: Solutions::EMPTY,
+                complete: false,
+                walked: [[S::ZERO; N]; PLACES],
+                places: 0,
+            };
+            if let Some((chain, offsets)) = &self.chain {
+                seek.ask(chain, offsets, &target, self.search.windings);
+            }
+            self.seek.insert(seek)
+        };
+        if seek.complete {
+            return None;
+        }
         let number = seek.asked;
         seek.asked += 1;
         seek.idle += 1;
@@ -141,7 +155,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
     pub(super) fn sought(&self) -> Option<Result<Solutions<N, S>, IkError<S>>> {
         let seek = self.seek.as_ref()?;
         // Real solutions come and go in pairs.
-        let all = !seek.found.is_empty() && seek.found.len().is_multiple_of(2);
+        let all = seek.complete || (!seek.found.is_empty() && seek.found.len().is_multiple_of(2));
         all.then(|| Ok(seek.found.copied()))
     }
 
@@ -160,6 +174,35 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
 }
 
 impl<const N: usize, S: Float> Seek<N, S> {
+    /// Asks the general chain, as long as its doubts cost nothing.
+    fn ask(
+        &mut self,
+        chain: &GeneralArm<'_>,
+        offsets: &[f64],
+        target: &Frame<S>,
+        windings: &[Winding<'_, S>],
+    ) {
+        let Some(six) = chain.six(&[]) else { return };
+        let pose = Frame {
+            rotation: target.rotation.map(|row| row.map(Float::to_f64)),
+            translation: target.translation.map(Float::to_f64),
+        };
+        let (_, sure) = six.solve_plainly(&pose, |solution| {
+            let tip = six.tip(solution);
+            let mut q = [S::ZERO; N];
+            for (slot, (value, offset)) in q.iter_mut().zip(solution.iter().zip(offsets)) {
+                *slot = S::from_f64(value - offset);
+            }
+            let found = Polished {
+                q,
+                position_error: S::from_f64(norm(sub(tip.translation, pose.translation))),
+                rotation_error: S::from_f64(crate::rotation_error(&pose.rotation, &tip.rotation)),
+            };
+            self.add(&found, windings);
+        });
+        self.complete = sure && !self.found.is_empty();
+    }
+
     /// Takes what was found.
     fn add(&mut self, found: &Polished<N, S>, windings: &[Winding<'_, S>]) {
         let Polished { mut q, position_error, rotation_error } = *found;
@@ -241,7 +284,14 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
 
     /// Goes along the curve on which five joints make up for what the sixth does as well as they can. What is missing there
     /// has one direction, and is 0 at a solution. Says whether the curve was closed.
-    fn walk(&mut self, from: [S; N], stride: S, finer: u32, seek: &mut Seek<N, S>, windings: &[Winding<'_, S>]) -> bool {
+    fn walk(
+        &mut self,
+        from: [S; N],
+        stride: S,
+        finer: u32,
+        seek: &mut Seek<N, S>,
+        windings: &[Winding<'_, S>],
+    ) -> bool {
         let Some(mut at) = self.place(&from) else { return false };
         let (mut q, mut before) = (from, None);
         seek.note(from);
