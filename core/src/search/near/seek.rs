@@ -64,6 +64,9 @@ const SAME: f64 = 1e-5;
 /// Where Newton's method does not converge, curves are followed at so many poses.
 const FOLLOWED: u32 = 5;
 
+/// Two solutions may have met where no more than this (reaches, rad) is missing.
+const TOUCHES: f64 = 1e-6;
+
 /// Where a pivot is this small, solutions may be near to each other.
 const NEARLY_SINGULAR: f64 = 0.03;
 
@@ -130,7 +133,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         let unknowns = &self.unknowns;
         let windings = self.search.windings;
         let mut arm = Arm { unknowns, target: &target, reach, pose_and_jacobian };
-        let from = match arm.newton(q) {
+        let from = match arm.bring(q) {
             Some(found) => {
                 seek.add(&found, windings);
                 let regular = |at: Place<S>| at.pivot > S::from_f64(NEARLY_SINGULAR);
@@ -326,6 +329,7 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
             } else if let Some((start, longer)) = before
                 && last <= longer
                 && last < size
+                && may_vanish([longer, last, size])
             {
                 // Two may be so near to each other that the sign has changed twice.
                 if finer > 0 {
@@ -346,6 +350,13 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
         }
         false
     }
+}
+
+/// Whether the parabola through three values, of which that in the middle is the least, comes near to 0.
+fn may_vanish<S: Float>([before, least, after]: [S; 3]) -> bool {
+    let (rise, bend) = (after - before, before - least + after - least);
+    let vertex = least - rise * rise / (S::from_f64(8.0) * bend);
+    vertex <= S::from_f64(0.5) * least || least <= S::from_f64(TOUCHES)
 }
 
 fn dot<S: Float>(a: &[S; UNKNOWNS], b: &[S; UNKNOWNS]) -> S {
