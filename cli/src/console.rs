@@ -36,10 +36,18 @@ NUMBERS are those of the problem's target: x y z of a position, x y of xy, x y z
 x y z and a direction, roll pitch yaw of a rotation. Without PROBLEM it is the full pose.
 Ctrl-C stops a move; the arm holds.";
 
+/// First words of the commands that move the arm.
+const MOVES: &[&str] = &["joints", "pose", "to", "line"];
+
+/// Those of the others.
+const OTHERS: &[&str] =
+    &["read", "check", "percent", "speed", "hold", "clear", "release", "help", "?", "quit", "exit", "q"];
+
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, Failure> {
     let terminal = io::stdin().is_terminal();
     arm::with(&arguments.device, Use::Move, |arm| {
+        no_command_is_hidden(arm)?;
         let mut pace = arguments.pace;
         let mut status = Status::Done;
         let mut input = io::stdin().lock();
@@ -76,16 +84,6 @@ enum Next {
 }
 
 fn command(arm: &mut Arm<'_>, pace: &mut Pace, words: &[&str], out: &mut dyn Write) -> Result<Next, Failure> {
-    if let [name, value @ ..] = words
-        && let Some(attachment) = arm.attachment(name)
-    {
-        match value {
-            [] => writeln!(out, "{name} at {}", arm.read_attachment(&attachment)?)?,
-            [value] => arm.move_attachment(&attachment, number(value)?)?,
-            _ => return Err(wrong(format!("{name} takes one value")).into()),
-        }
-        return Ok(Next::Go);
-    }
     match words {
         [] => {}
         ["quit" | "exit" | "q"] => return Ok(Next::Quit),
@@ -105,6 +103,7 @@ fn command(arm: &mut Arm<'_>, pace: &mut Pace, words: &[&str], out: &mut dyn Wri
             let checked = arm.plan(&[asked])?;
             writeln!(out, "allowed: it would take about {:.1} s", checked.duration())?;
         }
+        [name, value @ ..] if !MOVES.contains(name) => attachment(arm, name, value, out)?,
         words => {
             let asked = pace.of(asked(arm, words)?, arm);
             arm.go(&[asked], &mut Watcher::new(&mut |_, _, _| {}))?;
@@ -113,6 +112,32 @@ fn command(arm: &mut Arm<'_>, pace: &mut Pace, words: &[&str], out: &mut dyn Wri
         }
     }
     Ok(Next::Go)
+}
+
+/// What the arm has besides joints is told where it is, or sent elsewhere.
+fn attachment(arm: &mut Arm<'_>, name: &str, value: &[&str], out: &mut dyn Write) -> Result<(), Failure> {
+    let Some(attachment) = arm.attachment(name) else { return Err(no_command(name).into()) };
+    match value {
+        [] => writeln!(out, "{name} at {}", arm.read_attachment(&attachment)?)?,
+        [value] => arm.move_attachment(&attachment, number(value)?)?,
+        _ => return Err(wrong(format!("{name} takes one value")).into()),
+    }
+    Ok(())
+}
+
+/// An attachment that is called as a command is could not be told from it.
+fn no_command_is_hidden(arm: &mut Arm<'_>) -> Result<(), Refusal> {
+    for name in MOVES.iter().chain(OTHERS) {
+        if arm.attachment(name).is_some() {
+            let message = format!("the servo `{name}` has the name of a command");
+            return Err(Refusal::new("command", message).help("give its [[servo]] another name in the table"));
+        }
+    }
+    Ok(())
+}
+
+fn no_command(name: &str) -> Refusal {
+    Refusal::new("command", format!("`{name}` is no command")).help("help lists them")
 }
 
 fn wrong(message: String) -> Refusal {
@@ -126,10 +151,7 @@ fn asked(arm: &Arm<'_>, words: &[&str]) -> Result<Move, Refusal> {
         ["pose", name] => Ok(Move::joints(&arm.pose(name)?)),
         ["to", rest @ ..] => target(arm, rest).map(|(problem, target)| Move::nearest(problem, target)),
         ["line", rest @ ..] => target(arm, rest).map(|(problem, target)| Move::line(problem, target)),
-        _ => {
-            let message = format!("`{}` is no command", words.first().copied().unwrap_or_default());
-            Err(Refusal::new("command", message).help("help lists them"))
-        }
+        _ => Err(no_command(words.first().copied().unwrap_or_default())),
     }
 }
 
@@ -185,4 +207,21 @@ fn target<'w>(arm: &Arm<'_>, words: &[&'w str]) -> Result<(&'w str, Target), Ref
 
 fn three(numbers: &[f64]) -> [f64; 3] {
     [0, 1, 2].map(|index| numbers.get(index).copied().unwrap_or(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{COMMANDS, MOVES, OTHERS};
+
+    #[test]
+    fn every_command_of_the_help_is_known_by_name() {
+        let (commands, _) = COMMANDS.split_once("\n\n").unwrap_or_default();
+        let heads = commands.lines().skip(1).filter_map(|line| line.get(2..30));
+        let alternatives = heads.flat_map(|head| head.split(", "));
+        let firsts: Vec<&str> = alternatives.filter_map(|head| head.split_whitespace().next()).collect();
+        assert!(firsts.len() > 12, "{firsts:?}");
+        for first in firsts {
+            assert!(first == "NAME" || MOVES.contains(&first) || OTHERS.contains(&first), "{first}");
+        }
+    }
 }

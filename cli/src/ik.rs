@@ -43,13 +43,13 @@ pub(crate) struct Arguments {
     free: Option<List>,
     #[command(flatten)]
     target: target::Flags,
-    /// Answer in JSON: solutions (q, errors in m and rad, whether q keeps all limits and rules) and error.
+    /// Answer in JSON: solutions (q, errors in m and rad, whether q keeps all limits and rules, its branch) and error.
     #[arg(long, conflicts_with = "stdin")]
     pub(crate) json: bool,
     /// Print every step with its roots, and what becomes of each candidate.
     #[arg(long, conflicts_with_all = ["json", "stdin"])]
     trace: bool,
-    /// Read a JSON object with the target's keys a line, and answer with one JSON object a line.
+    /// Read a JSON object a line, with the target's keys and, where wanted, near and free; answer with one a line.
     #[arg(long)]
     stdin: bool,
 }
@@ -136,15 +136,17 @@ fn answer_line(question: &mut Question<'_>, line: &[u8], given: Option<&[f64]>) 
     };
     let mut fields = target::fields(line, question.kind()).map_err(malformed)?;
     let free = target::take_free(&mut fields).map_err(malformed)?;
+    let near = target::take_near(&mut fields).map_err(malformed)?;
+    question.seek(near.as_deref()).map_err(|refusal| stream::malformed(refusal.message))?;
     question.give(free.as_deref().or(given)).map_err(|refusal| stream::malformed(refusal.message))?;
     let target = match target::read(&fields, question.kind(), units) {
         Ok(target) => target,
         Err(target::Trouble::Form(message)) => return Err(stream::malformed(message)),
-        Err(target::Trouble::Value(error)) => return Ok(nothing(&question.refusal(&error))),
+        Err(target::Trouble::Value(error)) => return Ok(question.refusal(&error).answer()),
     };
     Ok(match question.solve(&target) {
         Ok(answers) => json(units, &answers),
-        Err(error) => nothing(&question.refusal_near(&error, &target)),
+        Err(error) => question.refusal_near(&error, &target).answer(),
     })
 }
 
@@ -156,6 +158,7 @@ fn json(units: Units<'_>, answers: &[Answer]) -> Json {
             ("position_error", answer.position_error.into()),
             ("rotation_error", answer.rotation_error.into()),
             ("within_limits", answer.within_limits.into()),
+            ("branch", answer.branch.as_str().into()),
         ];
         if let Some(row) = answer.free {
             fields.push(("free", (row + 1).into()));
@@ -187,11 +190,17 @@ fn list(question: &Question<'_>, answers: &[Answer], out: &mut dyn Write) -> io:
     for (kind, name) in &joints {
         write!(out, "{:>15}", format!("{} ({})", clean(name), units.name(*kind)))?;
     }
-    writeln!(out, "   errors (m, rad)")?;
+    let longest = answers.iter().map(|answer| answer.branch.len()).max().unwrap_or(0);
+    // Wide enough for its heading.
+    let width = if longest == 0 { 0 } else { longest.max("branch".len()) + 3 };
+    writeln!(out, "{:width$}   errors (m, rad)", if longest == 0 { "" } else { "   branch" })?;
     for (place, answer) in answers.iter().enumerate() {
         write!(out, "{:2}", place + 1)?;
         for ((kind, _), value) in joints.iter().zip(units.joints(&answer.q)) {
             write!(out, "{:>15}", units.show(*kind, value))?;
+        }
+        if longest > 0 {
+            write!(out, "   {:<1$}", answer.branch, width - 3)?;
         }
         write!(out, "   {}, {}", small(answer.position_error), small(answer.rotation_error))?;
         if !answer.within_limits {

@@ -9,6 +9,7 @@ use dh_codegen::verify::Level;
 use dh_drivers::clock::RealClock;
 use dh_drivers::driver::{DeviceKind, DeviceSettings};
 use dh_drivers::dynamixel::control_table::{MODELS, Model};
+use dh_drivers::dynamixel::packet::MAX_ID;
 use dh_drivers::dynamixel::{ServoSpec, SimulatedBus};
 use dh_drivers::mycobot::{self, SimulatedMyCobot};
 use dh_drivers::simulate::{Faults, Faulty, Line, SimulatedDevice, TcpLine, serve};
@@ -151,8 +152,8 @@ fn spec(
     let refuse = |what: String, help: String| {
         Err(Refusal::new("servo", format!("the servo of {name} {what}")).help(help))
     };
-    let Some(id) = servo.id.and_then(|id| u8::try_from(id).ok()).filter(|id| *id <= 252) else {
-        return refuse("has no id from 0 to 252".to_owned(), "write servo = { id = 1, ... }".to_owned());
+    let Some(id) = servo.id.and_then(|id| u8::try_from(id).ok()).filter(|id| *id <= MAX_ID) else {
+        return refuse(format!("has no id from 0 to {MAX_ID}"), format!("write id = 0 to {MAX_ID}"));
     };
     let named = servo.model.as_deref().unwrap_or_default();
     let Some(model) = Model::by_name(named) else {

@@ -273,6 +273,21 @@ fn what_an_arm_has_besides_joints_is_moved_in_the_console() {
     }
 }
 
+/// `release` must release, whatever the table calls its servos.
+#[test]
+fn no_servo_has_the_name_of_a_command() {
+    let table = std::fs::read_to_string("../robots/crane_x7.toml").unwrap();
+    for name in ["release", "to", "q"] {
+        let named = table.replace("name = \"hand\"", &format!("name = \"{name}\""));
+        let path = file("named_as_a_command.toml", &named);
+        let sim = Sim::of(path.to_str().unwrap());
+        let run = dhc_reading(&format!("console {} --port {}", path.display(), sim.port), b"read\n");
+        assert_eq!(run.status, 1, "{name}: {}", run.stderr);
+        let says = format!("error: the servo `{name}` has the name of a command\nhelp: give");
+        assert!(run.stderr.contains(&says), "{}", run.stderr);
+    }
+}
+
 /// A servo in velocity mode takes no goals: the help says what sets it right.
 #[test]
 fn servos_are_set_to_position_mode_on_request() {

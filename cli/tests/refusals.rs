@@ -47,6 +47,7 @@ fn wrong_input() {
             "no inverse problem `up`\nhelp: --problem takes pose, tool_down",
         ),
         ("ik mycobot --problem tool_down --position 1,inf,3", "infinite or NaN"),
+        ("ik mycobot --problem tool_down --position 1e308,2,3", "so far away that the squares"),
         ("ik mycobot --problem tool_down --position 1,2,3 --near 0", "1 joint values where 6 are needed"),
         ("explain nonsense", "lists all"),
         ("explain round-angle", "there is `rounded-angle`"),
@@ -111,6 +112,21 @@ fn a_traced_refusal_shows_its_steps_on_stderr() {
     let stderr = dhc("ik mycobot --problem tool_down --position 350,-100,70 --trace").failed(1);
     assert!(stderr.contains("no root: this branch ends here"), "{stderr}");
     assert!(stderr.trim_end().lines().rev().any(|line| line.starts_with("error: out of reach")), "{stderr}");
+}
+
+/// On its axis the arm may turn as it likes, as far as another joint that follows lets it.
+#[test]
+fn a_trace_comes_with_the_same_answer() {
+    let table = "[robot]\nname = \"A\"\nconvention = \"standard\"\nunits = { length = \"mm\", angle = \"deg\" }\n\
+        [[joint]]\nalpha = 90\nd = 200\nlimits = [-170, 170]\n[[joint]]\na = 300\nlimits = [-170, 170]\n\
+        [[joint]]\na = 300\nalpha = -90\nlimits = [-150, 150]\n[[joint]]\nlimits = [-90, 90]\n\
+        [[ik]]\nname = \"p\"\ntarget = \"position\"\nconstraints = [\"q4 = q1 + 170\"]\n";
+    let path = file("aside.toml", table);
+    let question = format!("ik {} --problem p --position 0,0,600", path.display());
+    let plain = dhc(&question).good();
+    let traced = dhc(&format!("{question} --trace")).good();
+    assert!(plain.contains("2 solutions within limits and rules"), "{plain}");
+    assert!(traced.ends_with(&plain), "{traced}");
 }
 
 #[test]

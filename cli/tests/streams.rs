@@ -40,12 +40,34 @@ fn a_target_without_solution_is_no_mistake() {
         .map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap()["error"]["kind"].to_string())
         .collect();
     assert_eq!(kinds, ["null", "\"unreachable\"", "\"singular\""]);
+    // An answer without solution is its error and nothing else.
+    assert!(run.stdout.lines().skip(1).all(|line| line.starts_with("{\"error\":{")), "{}", run.stdout);
     let first: serde_json::Value = serde_json::from_str(run.stdout.lines().next().unwrap()).unwrap();
     let solution = &first["solutions"][0];
     assert_eq!(solution["within_limits"], true);
     assert!(solution["position_error"].as_f64().unwrap() < 1e-9);
     let one = dhc("ik mycobot --problem tool_down --json --position 150,-100,70").json();
     assert_eq!(first, one);
+}
+
+/// A line may say what it is to be near to; else what the flags say counts.
+#[test]
+fn what_to_be_near_to_may_change_from_line_to_line() {
+    let command = "ik planar2r --problem xy --all";
+    let flags = ["--near 0.2,1.5", "--near 1.4,-1.5", "--near 0.2,1.5"];
+    let wanted = flags.map(|near| dhc(&format!("{command} --json --position 0.2,0.1 {near}")).json());
+    assert_ne!(wanted[0], wanted[1]);
+    let input =
+        b"{\"position\":[0.2,0.1]}\n{\"position\":[0.2,0.1],\"near\":[1.4,-1.5]}\n{\"position\":[0.2,0.1]}\n";
+    let run = dhc_reading(&format!("{command} --stdin {}", flags[0]), input);
+    let answers: Vec<serde_json::Value> =
+        run.good().lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(answers, wanted);
+    let wrong = b"{\"position\":[0.2,0.1],\"near\":[1]}\n{\"position\":[0.2,0.1],\"near\":1}\n";
+    let run = dhc_reading(&format!("{command} --stdin"), wrong);
+    assert_eq!(run.status, 1);
+    assert!(run.stdout.contains("1 joint values where 2 are needed"), "{}", run.stdout);
+    assert!(run.stdout.contains("`near` is not a list of numbers"), "{}", run.stdout);
 }
 
 #[test]

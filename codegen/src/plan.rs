@@ -3,6 +3,7 @@
 //! A plan holds no tokens and no language, and nothing in it assumes f64. Printers (`emit`) and the interpreter
 //! (`plan::eval`) walk it and decide nothing.
 
+mod branch;
 mod constraints;
 mod dimension;
 /// The interpreter.
@@ -147,6 +148,8 @@ pub struct Function {
     pub unknowns: Vec<Option<Form>>,
     /// Inverse problems: the equations between joint values that are prescribed besides the target.
     pub constraints: Vec<dh_core::ConstraintTerm>,
+    /// Inverse problems: the steps whose roots have signs, with a word for each.
+    pub branch: Vec<dh_core::BranchBit>,
     /// Inverse problems: how often another method found the same solutions, where that was tried.
     pub agreement: Option<Agreement>,
 }
@@ -172,6 +175,30 @@ pub struct Form {
 }
 
 impl Function {
+    /// Whether a stage has roots to choose from whose sign is no part of a solution's branch.
+    pub fn is_unsigned(&self, stage: usize) -> bool {
+        let choice = self.stages.get(stage).is_some_and(|stage| stage.plus.is_some());
+        (choice || self.searches(stage)) && !self.branch.iter().any(|bit| usize::from(bit.step) == stage)
+    }
+
+    /// The sign of a stage's root in words: "elbow + where a2 s3 > 0, else -".
+    pub fn sign(&self, stage: usize) -> Option<String> {
+        let bit = self.branch.iter().find(|bit| usize::from(bit.step) == stage)?;
+        Some(match &self.stages.get(stage)?.plus {
+            Some(plus) => format!("{bit} + where {plus}, else -"),
+            None => format!("{bit} + or -: that of the Jacobian, which several solutions may share"),
+        })
+    }
+
+    /// Whether a stage finds all joints at once.
+    fn searches(&self, stage: usize) -> bool {
+        let steps = match self.steps.as_slice() {
+            [Step::Near { otherwise, .. }] => otherwise,
+            steps => steps,
+        };
+        steps.iter().any(|step| matches!(step, Step::General { stage: at, .. } if *at == stage))
+    }
+
     /// Whether its solutions are all searched for at once, without a closed form.
     pub fn is_searched(&self) -> bool {
         self.steps.iter().any(|step| matches!(step, Step::General { .. }))
@@ -325,6 +352,8 @@ pub struct Stage {
     pub definitions: Vec<(String, String)>,
     /// Where it comes from: "row 2 of the position in frame 1".
     pub origin: String,
+    /// Of two roots, what tells the `+` root: "a2 s3 > 0". `None` where there is one root, or the step finds all joints.
+    pub plus: Option<String>,
 }
 
 /// Dimension of the coefficients of an equation.

@@ -3,7 +3,7 @@
 use core::error::Error;
 use core::fmt;
 
-use crate::{Float, MountingFrame, Rule, Step, TargetKind};
+use crate::{Float, Rule, Step, TargetKind};
 
 /// Why an inverse problem has no solution. The first step that fails on the branch that came furthest decides.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +39,7 @@ pub enum IkError<S = f64> {
         /// The rule that the one nearest to being allowed breaks.
         rule: Rule<S>,
     },
-    /// A number of the target is infinite or NaN.
+    /// A number of the target is infinite or NaN, or so great that what is computed of it is.
     NotFinite,
     /// The target's rotation is not one, or its direction has no length.
     NotRigid {
@@ -62,13 +62,6 @@ pub enum IkError<S = f64> {
     },
     /// A slice of joint values has the wrong length.
     Length(LengthError),
-    /// A frame added at run time cannot be taken out of this kind of target exactly.
-    Mounting {
-        /// Which frame.
-        frame: MountingFrame,
-        /// The kind of the target.
-        target: TargetKind,
-    },
 }
 
 impl<S: Float> fmt::Display for IkError<S> {
@@ -91,7 +84,9 @@ impl<S: Float> fmt::Display for IkError<S> {
                 )
             }
             Self::Forbidden { rule } => write!(f, "forbidden: {rule}"),
-            Self::NotFinite => f.write_str("the target has a number that is infinite or NaN"),
+            Self::NotFinite => {
+                f.write_str("the target has a number that is infinite or NaN, or so great that its square is")
+            }
             Self::NotRigid { error } => {
                 write!(f, "the target's rotation or direction is not one: off by {error:.3e}")
             }
@@ -104,12 +99,6 @@ impl<S: Float> fmt::Display for IkError<S> {
                 write!(f, "the problem takes a target of kind {expected}")
             }
             Self::Length(error) => error.fmt(f),
-            Self::Mounting { frame, target } => {
-                write!(
-                    f,
-                    "a target of kind {target} does not determine what to ask of the arm under this {frame} frame"
-                )
-            }
         }
     }
 }

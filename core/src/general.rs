@@ -30,6 +30,7 @@ use crate::polish::polish;
 use circuit::Circuit;
 use known::Known;
 pub(crate) use known::same;
+pub(crate) use linear::solve;
 use resultant::Resultant;
 use starts::{PATIENCE, STARTS, starts};
 
@@ -202,9 +203,22 @@ impl SixJoints<'_> {
                 outcome = Outcome { doubtful: true, ..outcome.and(from) };
             }
         }
+        let (scaled, target) = (self.scaled(), self.in_reaches(pose));
+        // Solutions that nearly meet may have been taken for one.
+        let mut place = 0;
+        while let Some(mut solution) = known.get(place).filter(|_| place < crate::MAX_SOLUTIONS) {
+            place += 1;
+            self.each_slide(&mut solution, |value| value / self.reach);
+            for start in scaled.beside(&solution) {
+                if let Some(solution) = scaled.nearby(&target, &start) {
+                    let solution = self.in_metres(solution);
+                    known.insert(&solution);
+                    found(&solution);
+                }
+            }
+        }
         // At the edge of the workspace no neighbour may be attainable, and on some arms roots are double at every pose; there,
         // Newton's method needs no polynomial.
-        let (scaled, target) = (self.scaled(), self.in_reaches(pose));
         let mut idle = 0;
         for start in starts() {
             idle += 1;
@@ -313,11 +327,7 @@ impl SixJoints<'_> {
     }
 
     fn in_metres(&self, mut q: [f64; JOINTS]) -> [f64; JOINTS] {
-        for (value, slides) in q.iter_mut().zip(self.prismatic) {
-            if slides {
-                *value *= self.reach;
-            }
-        }
+        self.each_slide(&mut q, |value| value * self.reach);
         q
     }
 

@@ -1,8 +1,8 @@
 //! One robot as motion, drivers and the command line see it.
 
 use crate::{
-    ConstraintTerm, Float, Frame, IkError, Joint, LengthError, MAX_JOINTS, Reachable, Redundancy, Rules,
-    Seed, SolutionSet, Target, TargetKind, Violations,
+    Branch, BranchBit, ConstraintTerm, Float, Frame, IkError, Joint, LengthError, MAX_JOINTS, Reachable,
+    Redundancy, Rule, Rules, Seed, SolutionSet, Target, TargetKind, Violations,
 };
 
 /// The name of the inverse problem of the full pose.
@@ -19,6 +19,8 @@ pub struct ProblemInfo<'a> {
     pub free: &'a [usize],
     /// Equations between the joint values that it prescribes besides.
     pub constraints: &'a [ConstraintTerm],
+    /// What the signs of its solutions' [`Branch`] are called.
+    pub branch: &'a [BranchBit],
 }
 
 /// The kinematics of one robot, over slices, so that it can be used as `&dyn Kinematics`. Every generated arm and the
@@ -107,11 +109,28 @@ pub trait Kinematics<S: Float = f64> {
         out: &mut SolutionSet<S>,
     ) -> Result<(), IkError<S>>;
 
+    /// Which condition (`where` in the table) of a problem joint values break, every angle taken in (-pi, pi];
+    /// a [`Rule::Where`].
+    fn broken_condition(&self, problem: &str, q: &[S]) -> Option<Rule<S>> {
+        let _ = (problem, q);
+        None
+    }
+
     /// How the solutions of a problem hang on the one joint that it leaves to the caller; `None` where it leaves none,
     /// or several.
     fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, S>> {
         let _ = problem;
         None
+    }
+
+    /// The branch of a problem that joint values (rad or m) are on: that of the solution which they are of the target that they
+    /// meet. [`Branch::UNKNOWN`] where they are none, since they don't keep the problem's constraints.
+    ///
+    /// # Errors
+    /// [`IkError::UnknownProblem`]; [`IkError::Length`] where `q` has the wrong length; those of
+    /// [`Kinematics::ik_at_into`].
+    fn branch_of(&self, problem: &str, q: &[S]) -> Result<Branch, IkError<S>> {
+        crate::branch::of(self, problem, q)
     }
 
     /// How many joints it has.
@@ -169,7 +188,7 @@ pub trait Kinematics<S: Float = f64> {
     /// The joint values inside their limits, and the tool frame there, that come nearest to a target, for one that cannot be
     /// reached: the sum of the squares of [`Target::errors`] is least, rad beside lengths in the size of the arm (the
     /// distances of its frames' origins, one to the next, in the middle of the limits). A problem's constraints on joints are
-    /// kept (to about 1e-8 of what the target is missed by, in f64), its `where` and the rules of the workspace are not looked
+    /// kept (to about 1e-8 of what the target is missed by, in f64), limits on sums likewise; its `where` and the rules of the workspace are not looked
     /// at.
     ///
     /// Damped Gauss-Newton steps lead downhill from the seed (rad or m; without one, from the middle of the
@@ -251,8 +270,14 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Kinematics<S> for &K {
     ) -> Result<(), IkError<S>> {
         (**self).ik_seeded_into(problem, target, free, seed, out)
     }
+    fn broken_condition(&self, problem: &str, q: &[S]) -> Option<Rule<S>> {
+        (**self).broken_condition(problem, q)
+    }
     fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, S>> {
         (**self).redundancy(problem)
+    }
+    fn branch_of(&self, problem: &str, q: &[S]) -> Result<Branch, IkError<S>> {
+        (**self).branch_of(problem, q)
     }
     fn rules_point(&self, q: &[S]) -> Result<[S; 3], LengthError> {
         (**self).rules_point(q)

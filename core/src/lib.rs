@@ -13,6 +13,7 @@
 extern crate std;
 
 mod arctangent;
+mod branch;
 mod error;
 mod float;
 mod frame;
@@ -38,8 +39,10 @@ mod step;
 mod tables;
 mod target;
 mod travel;
+mod unknowns;
 mod windings;
 
+pub use branch::{Branch, BranchBit, BranchWord, NamedBranch};
 pub use error::{IkError, LengthError};
 pub use float::Float;
 pub use frame::{Frame, rotation_error};
@@ -47,14 +50,14 @@ pub use general::{Chart, GeneralArm, Outcome, SixJoints};
 pub use generated::{copy_into, joint_array};
 pub use joint::{Joint, JointKind, Limits, NamedPose, Servo};
 pub use kinematics::{FULL_POSE, Kinematics, ProblemInfo};
-pub use mounted::{Mounted, MountingFrame};
+pub use mounted::Mounted;
 #[cfg(feature = "nalgebra")]
 pub use nalgebra_types::{Jacobian, Pose, jacobian_from_columns};
 pub use polish::{Polished, polish};
 pub use reachable::{ConstraintTerm, Reachable};
 pub use redundancy::{Arm, FreeValues, Redundancy, SWEEP_SAMPLES};
 pub use rules::{Axis, Bound, KeepOut, Rule, Rules, Side, SumLimit, Violation, Violations, Winding};
-pub use search::{Candidates, Condition, Near, Nearly, Roots, Search};
+pub use search::{Candidates, Condition, Exact, Forms, Near, Nearly, Roots, Search};
 pub use seed::{Seed, Wanted};
 pub use solution_set::{SolutionSet, SolutionView};
 pub use solutions::{Solution, Solutions};

@@ -1,13 +1,13 @@
 //! A robot with a tool or a base frame that is known only at run time.
 
-mod tool_point;
+mod draw;
+mod held;
+mod search;
 
-use core::fmt;
-
-use crate::frame::{add, cross};
+use crate::frame::{add, cross, sub};
 use crate::{
-    Float, Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rules, Seed, SolutionSet,
-    Target, TargetKind,
+    Branch, Float, Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rule, Rules,
+    Seed, SolutionSet, Target, TargetKind,
 };
 
 /// A robot that stands on `base` and carries `tool`: frames known only at run time, besides those of its table.
@@ -15,11 +15,15 @@ use crate::{
 /// The tool is mounted at the table's tool frame, and the table's base frame stands at `base`. Workspace rules stay
 /// with the table's base frame, and are checked for the point of the mounted tool.
 ///
-/// An inverse problem is handed to the robot with both frames taken out of the target. That is exact for poses and
-/// rotations. Targets that say where the tool point is and not how the tool is turned are solved step by step: each
-/// solution meets its target, but that all are found is not certain. A tool that turns the hand leaves nothing to be said
-/// of targets with a yaw or a direction; a yaw survives only a base that is turned about z alone. Where it cannot be done,
-/// [`IkError::Mounting`] says so.
+/// An inverse problem is handed to the robot with both frames taken out of the target wherever that can be done exactly:
+/// for poses and rotations; for all other targets without a tool (those that speak of the base's z axis: on a base that is
+/// turned about z alone); for directions with a tool along z; and where the problem holds the hand's rotation, or all but
+/// its yaw, so that it is known beforehand. All else is searched, in the joints that the problem's constraints leave open,
+/// by damped Gauss-Newton steps on the target of the mounted tool itself. They start from the seed, from what the robot's own
+/// problem answers for frames that meet the target with what it leaves open drawn evenly, and from joint values that are
+/// spread evenly; the search ends after [`Mounted::QUIET`] such rounds in a row without a new solution. Each solution meets
+/// its target; that none is missed is not proven. Where there is none, [`IkError::Failed`] says by how much the best start
+/// misses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mounted<K, S = f64> {
     arm: K,
@@ -30,25 +34,10 @@ pub struct Mounted<K, S = f64> {
 /// A base counts as turned about z alone if what should be 0 of its rotation is, to this many machine epsilons.
 const ABOUT_Z: f64 = 8.0;
 
-/// A frame of [`Mounted`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MountingFrame {
-    /// The base frame.
-    Base,
-    /// The tool frame.
-    Tool,
-}
-
-impl fmt::Display for MountingFrame {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Base => "base",
-            Self::Tool => "tool",
-        })
-    }
-}
-
 impl<K, S: Float> Mounted<K, S> {
+    /// A search for solutions ends when so many rounds of starts one after the other have led to none that is new.
+    pub const QUIET: u32 = search::QUIET;
+
     /// The robot as its table has it.
     pub const fn new(arm: K) -> Self {
         Self { arm, base: Frame::IDENTITY, tool: Frame::IDENTITY }
@@ -69,27 +58,38 @@ impl<K, S: Float> Mounted<K, S> {
         &self.arm
     }
 
-    /// What to ask of the robot for this target.
-    fn target_of_arm(&self, target: &Target<S>) -> Result<Target<S>, IkError<S>> {
-        let target_kind = target.kind();
-        let any_tool = matches!(target_kind, TargetKind::Pose | TargetKind::Rotation);
-        if !any_tool && self.tool != Frame::IDENTITY {
-            return Err(IkError::Mounting { frame: MountingFrame::Tool, target: target_kind });
+    /// What to ask of the robot for this target, where that is the same whatever the joint values are.
+    fn target_of_arm(&self, target: &Target<S>) -> Option<Target<S>> {
+        let kind = target.kind();
+        if matches!(kind, TargetKind::Pose | TargetKind::Rotation) || self.tool == Frame::IDENTITY {
+            return self.on_base(target, &self.tool);
         }
-        self.target_on_base(target)
+        // Of a tool along z, its z axis is that of the hand.
+        let [x, y, z] = self.tool.translation;
+        let [zx, zy, zz] = self.tool.z_axis();
+        let straight = zx == S::ZERO && zy == S::ZERO && zz > S::ZERO;
+        let along = straight && x == S::ZERO && y == S::ZERO;
+        let target = match *target {
+            Target::Direction(_) if straight => *target,
+            Target::Ray { .. } | Target::Lookat(_) if along => *target,
+            Target::PositionDirection { position, direction } if along => Target::PositionDirection {
+                position: sub(position, direction.map(|part| part * z)),
+                direction,
+            },
+            _ => return None,
+        };
+        self.on_base(&target, &Frame::IDENTITY)
     }
 
-    /// The same, where the tool does not matter or is the whole target's.
-    fn target_on_base(&self, target: &Target<S>) -> Result<Target<S>, IkError<S>> {
-        let kind = target.kind();
-        let unclear = |frame| Err(IkError::Mounting { frame, target: kind });
+    /// The same for a hand, which matters for poses and rotations alone.
+    fn on_base(&self, target: &Target<S>, tool: &Frame<S>) -> Option<Target<S>> {
         let world = self.base.inverse();
         let [[_, _, r13], [r21, r22, r23], [r31, r32, r33]] = world.rotation;
         let rounding = S::from_f64(ABOUT_Z) * S::EPSILON;
         let about_z = r33 > S::ZERO && [r13, r23, r31, r32].iter().all(|r| r.abs() <= rounding);
-        let planar = matches!(kind, TargetKind::PositionYaw | TargetKind::Xy | TargetKind::XyYaw);
+        let planar = matches!(target.kind(), TargetKind::PositionYaw | TargetKind::Xy | TargetKind::XyYaw);
         if planar && !about_z {
-            return unclear(MountingFrame::Base);
+            return None;
         }
         let turn = r21.atan2(r22);
         let plane = |[x, y]: [S; 2]| {
@@ -98,11 +98,11 @@ impl<K, S: Float> Mounted<K, S> {
         };
         let point = |position| world.transform_point(position);
         let vector = |direction| world.transform_vector(direction);
-        Ok(match *target {
-            Target::Pose(pose) => Target::Pose(world * pose * self.tool.inverse()),
+        Some(match *target {
+            Target::Pose(pose) => Target::Pose(world * pose * tool.inverse()),
             Target::Rotation(rotation) => {
                 let wanted = Frame { rotation, ..Frame::IDENTITY };
-                Target::Rotation((world * wanted * self.tool.inverse()).rotation)
+                Target::Rotation((world * wanted * tool.inverse()).rotation)
             }
             Target::Position(position) => Target::Position(point(position)),
             Target::Lookat(position) => Target::Lookat(point(position)),
@@ -123,30 +123,6 @@ impl<K, S: Float> Mounted<K, S> {
 }
 
 impl<K: Kinematics<S>, S: Float> Mounted<K, S> {
-    /// Solves a target, `solve` being the robot's own problem.
-    fn solve(
-        &self,
-        target: &Target<S>,
-        solve: &tool_point::Solver<'_, S>,
-        out: &mut SolutionSet<S>,
-    ) -> Result<(), IkError<S>> {
-        out.clear();
-        let target = target.validate()?;
-        match self.target_of_arm(&target) {
-            Ok(asked) => solve(&asked, out)?,
-            Err(IkError::Mounting { frame: MountingFrame::Tool, .. })
-                if tool_point::is_of_place(&target, &self.tool) =>
-            {
-                let bare =
-                    |target: &Target<S>, out: &mut SolutionSet<S>| solve(&self.target_on_base(target)?, out);
-                tool_point::solve(self, (&self.base, &self.tool), &target, &bare, out)?;
-            }
-            Err(error) => return Err(error),
-        }
-        self.measure(&target, out);
-        Ok(())
-    }
-
     /// Errors of solutions against the target of the mounted tool.
     fn measure(&self, target: &Target<S>, out: &mut SolutionSet<S>) {
         let error = (S::INFINITY, S::INFINITY);
@@ -218,14 +194,42 @@ impl<K: Kinematics<S>, S: Float> Kinematics<S> for Mounted<K, S> {
         seed: Option<Seed<'_, S>>,
         out: &mut SolutionSet<S>,
     ) -> Result<(), IkError<S>> {
-        let solve = |target: &Target<S>, out: &mut SolutionSet<S>| {
-            self.arm.ik_seeded_into(problem, target, free, seed, out)
+        out.clear();
+        let info = self.problems().iter().find(|info| info.name == problem).ok_or(IkError::UnknownProblem)?;
+        let target = target.validate_as(info.target)?;
+        LengthError::check(info.free.len(), free.len())?;
+        if let Some(seed) = seed {
+            LengthError::check(self.dof(), seed.q.len())?;
+        }
+        let asked = self.target_of_arm(&target).or_else(|| {
+            let target = self.on_base(&target, &Frame::IDENTITY)?;
+            held::without_tool(&self.arm, info, free, &target, &self.tool)
+        });
+        if let Some(asked) = asked {
+            self.arm.ik_seeded_into(problem, &asked, free, seed, out)?;
+            self.measure(&target, out);
+            return Ok(());
+        }
+        let (world, hand) = (self.base.inverse(), self.tool.inverse());
+        let of_arm = |frame: &Frame<S>, found: &mut SolutionSet<S>| {
+            let bare = Target::of_frame(info.target, &(world * *frame * hand));
+            // What it says where it has none is about another target.
+            self.arm.ik_seeded_into(problem, &bare, free, seed, found).is_ok()
         };
-        self.solve(target, &solve, out)
+        search::Search::new(self, info, &target, free)?.run(&of_arm, self.base.translation, seed, out)
+    }
+
+    fn broken_condition(&self, problem: &str, q: &[S]) -> Option<Rule<S>> {
+        self.arm.broken_condition(problem, q)
     }
 
     fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, S>> {
         self.arm.redundancy(problem)
+    }
+
+    /// That of the robot with its own tool.
+    fn branch_of(&self, problem: &str, q: &[S]) -> Result<Branch, IkError<S>> {
+        self.arm.branch_of(problem, q)
     }
 
     fn rules_point(&self, q: &[S]) -> Result<[S; 3], LengthError> {

@@ -43,58 +43,72 @@ pub fn polish<const N: usize, S: Float>(
     mut pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
 ) -> Polished<N, S> {
     let per_reach = if reach > S::ZERO && reach.is_finite() { S::ONE / reach } else { S::ONE };
-    let mut at = State::new(q, target, per_reach, &mut pose_and_jacobian);
+    let (q, tool) = descend(q, steps, |q| {
+        let (tool, mut columns) = pose_and_jacobian(q);
+        let [px, py, pz] = sub(target.translation, tool.translation).map(|x| x * per_reach);
+        let [wx, wy, wz] = turn(&tool, target);
+        for [x, y, z, ..] in &mut columns {
+            (*x, *y, *z) = (*x * per_reach, *y * per_reach, *z * per_reach);
+        }
+        (tool, [px, py, pz, wx, wy, wz], columns)
+    });
+    Polished {
+        q,
+        position_error: norm(sub(tool.translation, target.translation)),
+        rotation_error: rotation_error(&target.rotation, &tool.rotation),
+    }
+}
+
+/// The steps of [`polish`] on any six quantities that are to become 0: `at` gives something to be handed back of the
+/// place, what is missing there, and by how much less with each unknown.
+pub(crate) fn descend<const N: usize, T, S: Float>(
+    q: [S; N],
+    steps: usize,
+    mut at: impl FnMut(&[S; N]) -> (T, [S; 6], [[S; 6]; N]),
+) -> ([S; N], T) {
+    let mut here = State::new(q, &mut at);
     let mut damping = S::ONE;
     for _ in 0..steps {
         let rounding = S::from_f64(ROUNDING) * S::EPSILON;
-        if at.cost <= rounding * rounding {
+        if here.cost <= rounding * rounding {
             break;
         }
-        let step = damped_step(&at.jacobian, at.error, per_reach, (damping * at.cost).sqrt());
-        let mut moved = at.q;
+        let step = damped_step(&here.columns, here.error, (damping * here.cost).sqrt());
+        if step.iter().all(|change| change.abs() <= S::EPSILON) {
+            break;
+        }
+        let mut moved = here.q;
         moved.iter_mut().zip(step).for_each(|(value, change)| *value += change);
-        let next = State::new(moved, target, per_reach, &mut pose_and_jacobian);
-        if next.cost < at.cost {
-            at = next;
+        let next = State::new(moved, &mut at);
+        if next.cost < here.cost {
+            here = next;
             damping /= S::from_f64(DAMPING);
         } else {
             let small = S::from_f64(SMALL) * S::EPSILON;
-            if at.cost <= small * small {
+            if here.cost <= small * small {
                 break;
             }
             damping *= S::from_f64(DAMPING);
         }
     }
-    Polished {
-        q: at.q,
-        position_error: norm(sub(at.tool.translation, target.translation)),
-        rotation_error: rotation_error(&target.rotation, &at.tool.rotation),
-    }
+    (here.q, here.place)
 }
 
 /// Joint values with what they give.
-struct State<const N: usize, S> {
+struct State<const N: usize, T, S> {
     q: [S; N],
-    tool: Frame<S>,
-    jacobian: [[S; 6]; N],
+    place: T,
+    columns: [[S; 6]; N],
     /// Position in reaches, then rotation in rad.
     error: [S; 6],
     /// Its square.
     cost: S,
 }
 
-impl<const N: usize, S: Float> State<N, S> {
-    fn new(
-        q: [S; N],
-        target: &Frame<S>,
-        per_reach: S,
-        pose_and_jacobian: &mut impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
-    ) -> Self {
-        let (tool, jacobian) = pose_and_jacobian(&q);
-        let [px, py, pz] = sub(target.translation, tool.translation).map(|x| x * per_reach);
-        let [wx, wy, wz] = turn(&tool, target);
-        let error = [px, py, pz, wx, wy, wz];
-        Self { q, tool, jacobian, error, cost: square(&error) }
+impl<const N: usize, T, S: Float> State<N, T, S> {
+    fn new(q: [S; N], at: &mut impl FnMut(&[S; N]) -> (T, [S; 6], [[S; 6]; N])) -> Self {
+        let (place, error, columns) = at(&q);
+        Self { q, place, columns, error, cost: square(&error) }
     }
 }
 
@@ -146,15 +160,14 @@ impl<const N: usize, S: Float> Column<N, S> {
 
 /// The dq with the least |e - J dq|² + damping² |dq|², by modified Gram-Schmidt on the Jacobian over damping * 1
 /// \[Björck, Numerical Methods for Least Squares Problems, §2.4\].
-fn damped_step<const N: usize, S: Float>(
+pub(crate) fn damped_step<const N: usize, S: Float>(
     jacobian: &[[S; 6]; N],
     error: [S; 6],
-    per_reach: S,
     damping: S,
 ) -> [S; N] {
     let mut columns = [Column { upper: [S::ZERO; 6], lower: [S::ZERO; N] }; N];
-    for (index, (column, [vx, vy, vz, wx, wy, wz])) in columns.iter_mut().zip(jacobian).enumerate() {
-        column.upper = [*vx * per_reach, *vy * per_reach, *vz * per_reach, *wx, *wy, *wz];
+    for (index, (column, upper)) in columns.iter_mut().zip(jacobian).enumerate() {
+        column.upper = *upper;
         if let Some(entry) = column.lower.get_mut(index) {
             *entry = damping;
         }
@@ -248,9 +261,9 @@ mod tests {
     fn a_damped_step_solves_the_normal_equations() {
         let (_, jacobian) = planar(&[0.3, 0.9, -0.4]);
         let (error, per_reach, damping) = ([0.1, -0.2, 0.3, 0.05, 0.02, -0.4], 0.5, 0.1);
-        let step = damped_step(&jacobian, error, per_reach, damping);
         let scaled =
             jacobian.map(|[a, b, c, d, e, f]| [a * per_reach, b * per_reach, c * per_reach, d, e, f]);
+        let step = damped_step(&scaled, error, damping);
         for (column, own) in scaled.iter().zip(step) {
             // J^T (e - J dq) = damping^2 dq
             let left: f64 = (0..6)

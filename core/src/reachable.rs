@@ -1,8 +1,9 @@
 //! The target nearest to one that cannot be reached.
 
-use crate::frame::{add, cross, dot, norm, sub};
+use crate::frame::{norm, sub};
 use crate::kinematics::padded;
-use crate::{Float, Frame, IkError, JointKind, Kinematics, LengthError, MAX_JOINTS, Target};
+use crate::selection::nearest_winding;
+use crate::{Float, Frame, IkError, JointKind, Kinematics, LengthError, Limits, MAX_JOINTS, Target};
 
 /// One term of a linear equation between joint values that an inverse problem prescribes. The terms of an equation add up
 /// to 0, or to whole turns.
@@ -49,8 +50,11 @@ const DAMPING: f64 = 4.0;
 /// Rows of what a target prescribes.
 const ROWS: usize = 6;
 
-/// More equations than this between joints are not looked at.
+/// More equations than this between joints are not looked at, nor more limits on sums of joints.
 const EQUATIONS: usize = 8;
+
+/// All that is to become 0.
+const ALL: usize = ROWS + 2 * EQUATIONS;
 
 /// The target nearest to `target` that a problem of an arm reaches inside the limits of its joints: see
 /// [`Kinematics::nearest_reachable`].
@@ -80,18 +84,24 @@ pub(crate) fn nearest<K: Kinematics<S> + ?Sized, S: Float>(
     }
     let (q, _) = best.ok_or(IkError::NotFinite)?;
     let (q, _) = descent.run(q, STEPS[1]);
+    let q = nearest_winding(&arm.rules(), &q, &first);
     let tool = arm.fk(q.get(..dof).unwrap_or(&q))?;
     let (position_error, rotation_error) = target.errors(&tool);
     Ok(Reachable { q, dof, tool, position_error, rotation_error })
 }
 
+/// A range without its edges: a limit that is approached from outside holds in the end.
+fn inside<S: Float>(range: &Limits<S>) -> Limits<S> {
+    let edge = S::SQRT_EPSILON.min((range.max - range.min) / S::TWO);
+    Limits { min: range.min + edge, max: range.max - edge }
+}
+
 /// Roughly the size of the arm (m): as far as the origins of its frames are apart in one pose.
-fn size<K: Kinematics<S> + ?Sized, S: Float>(arm: &K) -> Result<S, LengthError> {
+pub(crate) fn size<K: Kinematics<S> + ?Sized, S: Float>(arm: &K) -> Result<S, LengthError> {
     let mut frames = [Frame::IDENTITY; 2 * MAX_JOINTS];
     let joints = arm.rules().middle::<MAX_JOINTS>();
     let q = joints.get(..arm.dof()).unwrap_or(&joints);
-    // Of a table with so many rows that there is no room for their frames, the origin alone.
-    let count = arm.frames_into(q, &mut frames).unwrap_or(1);
+    let count = arm.frames_into(q, &mut frames)?;
     let mut last = arm.fk(q)?.translation;
     let mut sum = S::ZERO;
     for frame in frames.iter().take(count).rev() {
@@ -113,8 +123,8 @@ struct Descent<'a, K: ?Sized, S> {
 
 /// What is to become 0, and how it changes with each joint.
 struct Local<S> {
-    rows: [S; ROWS + EQUATIONS],
-    columns: [[S; ROWS + EQUATIONS]; MAX_JOINTS],
+    rows: [S; ALL],
+    columns: [[S; ALL]; MAX_JOINTS],
     cost: S,
 }
 
@@ -172,24 +182,16 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Descent<'_, K, S> {
         let nowhere = Frame { translation: [S::NAN; 3], ..Frame::IDENTITY };
         let jacobian = self.arm.jacobian_into(joints, &mut twists);
         let tool = jacobian.and_then(|()| self.arm.fk(joints)).unwrap_or(nowhere);
-        let mut local = Local {
-            rows: [S::ZERO; ROWS + EQUATIONS],
-            columns: [[S::ZERO; ROWS + EQUATIONS]; MAX_JOINTS],
-            cost: S::ZERO,
-        };
-        let own = missing(self.target, &tool, self.per_reach);
+        let mut local = Local { rows: [S::ZERO; ALL], columns: [[S::ZERO; ALL]; MAX_JOINTS], cost: S::ZERO };
+        let own = self.target.missing(&tool, self.per_reach);
         local.rows.iter_mut().zip(own).for_each(|(row, own)| *row = own);
-        let h = S::SQRT_EPSILON;
         for (column, twist) in local.columns.iter_mut().zip(&twists).take(self.dof) {
-            let there = missing(self.target, &moved(&tool, twist, h), self.per_reach);
-            let back = missing(self.target, &moved(&tool, twist, -h), self.per_reach);
-            for ((entry, there), back) in column.iter_mut().zip(there).zip(back) {
-                *entry = (there - back) / (h + h);
-            }
+            let gained = self.target.gained(&tool, twist, self.per_reach);
+            column.iter_mut().zip(gained).for_each(|(entry, gained)| *entry = -gained);
         }
         // So heavy that what is left of them is some 1e-8 of what is missing.
         let weight = S::ONE / S::SQRT_EPSILON.sqrt();
-        for (equation, row) in local.rows.iter_mut().skip(ROWS).enumerate() {
+        for (equation, row) in local.rows.iter_mut().skip(ROWS).take(EQUATIONS).enumerate() {
             let terms = self.terms.iter().filter(|term| term.equation == equation);
             let mut turns = false;
             for term in terms {
@@ -207,15 +209,30 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Descent<'_, K, S> {
             }
             *row = weight * if turns { row.wrap_angle() } else { *row };
         }
+        let sums = self.arm.rules().sums.iter().take(EQUATIONS);
+        for (place, sum) in (ROWS + EQUATIONS..).zip(sums) {
+            let value = sum.value(joints);
+            let excess = value - inside(&sum.range).clamp(value);
+            if excess == S::ZERO {
+                continue;
+            }
+            if let Some(row) = local.rows.get_mut(place) {
+                *row = weight * excess;
+            }
+            for (joint, factor) in sum.terms {
+                let entry = local.columns.get_mut(*joint).and_then(|column| column.get_mut(place));
+                if let Some(entry) = entry {
+                    *entry += *factor * weight;
+                }
+            }
+        }
         local.cost = local.rows.iter().fold(S::ZERO, |sum, row| sum + *row * *row);
         local
     }
 
     /// The step from the normal equations of the joints that may move, by Cholesky's factorisation.
     fn step(&self, q: &[S; MAX_JOINTS], local: &Local<S>, damping: S) -> [S; MAX_JOINTS] {
-        let dot = |a: &[S; ROWS + EQUATIONS], b: &[S; ROWS + EQUATIONS]| {
-            a.iter().zip(b).fold(S::ZERO, |sum, (a, b)| sum + *a * *b)
-        };
+        let dot = |a: &[S; ALL], b: &[S; ALL]| a.iter().zip(b).fold(S::ZERO, |sum, (a, b)| sum + *a * *b);
         let mut columns = local.columns;
         // A joint at its limit that would go on outwards stays.
         for ((column, joint), value) in columns.iter_mut().zip(self.arm.joints()).zip(q) {
@@ -224,7 +241,7 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Descent<'_, K, S> {
                 (*value <= limits.min && downhill < S::ZERO) || (*value >= limits.max && downhill > S::ZERO)
             });
             if stuck {
-                *column = [S::ZERO; ROWS + EQUATIONS];
+                *column = [S::ZERO; ALL];
             }
         }
         // Columns over the damping, made orthogonal one after the other: the same as a factorisation of the normal equations.
@@ -267,82 +284,4 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Descent<'_, K, S> {
         }
         step
     }
-}
-
-/// A frame after a small motion.
-fn moved<S: Float>(frame: &Frame<S>, [vx, vy, vz, wx, wy, wz]: &[S; 6], by: S) -> Frame<S> {
-    let turned = |axis: [S; 3]| add(axis, cross([*wx, *wy, *wz], axis).map(|x| x * by));
-    let [[ax, bx, cx], [ay, by_, cy], [az, bz, cz]] = frame.rotation;
-    let [[ax, ay, az], [bx, by_, bz], [cx, cy, cz]] =
-        [turned([ax, ay, az]), turned([bx, by_, bz]), turned([cx, cy, cz])];
-    Frame {
-        rotation: [[ax, bx, cx], [ay, by_, cy], [az, bz, cz]],
-        translation: add(frame.translation, [*vx, *vy, *vz].map(|x| x * by)),
-    }
-}
-
-/// What a tool frame misses of a target, as a vector: lengths in reaches, angles in rad. As long as [`Target::errors`].
-fn missing<S: Float>(target: &Target<S>, tool: &Frame<S>, per_reach: S) -> [S; ROWS] {
-    let point = tool.translation;
-    let length = |v: [S; 3]| v.map(|x| x * per_reach);
-    let ([px, py, pz], [ax, ay, az]) = match target {
-        Target::Pose(frame) => (length(sub(frame.translation, point)), turn(&frame.rotation, &tool.rotation)),
-        Target::Position(position) => (length(sub(*position, point)), [S::ZERO; 3]),
-        Target::PositionDirection { position, direction } => {
-            (length(sub(*position, point)), between(tool.z_axis(), *direction))
-        }
-        Target::PositionYaw { position, yaw } => {
-            (length(sub(*position, point)), [yaw_off(*yaw, tool), S::ZERO, S::ZERO])
-        }
-        Target::Rotation(rotation) => ([S::ZERO; 3], turn(rotation, &tool.rotation)),
-        Target::Direction(direction) => ([S::ZERO; 3], between(tool.z_axis(), *direction)),
-        Target::Ray { position, direction } => {
-            (length(cross(*direction, sub(point, *position))), between(tool.z_axis(), *direction))
-        }
-        Target::Lookat(position) => (length(cross(tool.z_axis(), sub(*position, point))), [S::ZERO; 3]),
-        Target::Xy([x, y]) => {
-            let [px, py, _] = point;
-            (length([*x - px, *y - py, S::ZERO]), [S::ZERO; 3])
-        }
-        Target::XyYaw { position: [x, y], yaw } => {
-            let [px, py, _] = point;
-            (length([*x - px, *y - py, S::ZERO]), [yaw_off(*yaw, tool), S::ZERO, S::ZERO])
-        }
-    };
-    [px, py, pz, ax, ay, az]
-}
-
-/// The turn from one direction to another: its axis, as long as its angle (rad).
-fn between<S: Float>(from: [S; 3], to: [S; 3]) -> [S; 3] {
-    let across = cross(from, to);
-    let sine = norm(across);
-    if sine <= S::ZERO {
-        return [S::ZERO; 3];
-    }
-    let angle = sine.atan2(dot(from, to));
-    across.map(|x| x / sine * angle)
-}
-
-/// The turn from one orientation to another: its axis, as long as its angle (rad).
-fn turn<S: Float>(to: &[[S; 3]; 3], from: &[[S; 3]; 3]) -> [S; 3] {
-    let columns = |r: &[[S; 3]; 3]| {
-        let [[ax, bx, cx], [ay, by, cy], [az, bz, cz]] = *r;
-        [[ax, ay, az], [bx, by, bz], [cx, cy, cz]]
-    };
-    let (mut axis, mut trace) = ([S::ZERO; 3], S::ZERO);
-    for (own, wanted) in columns(from).into_iter().zip(columns(to)) {
-        axis = add(axis, cross(own, wanted));
-        trace += dot(own, wanted);
-    }
-    let sine = norm(axis) / S::TWO;
-    if sine <= S::ZERO {
-        return [S::ZERO; 3];
-    }
-    let angle = sine.atan2((trace - S::ONE) / S::TWO);
-    axis.map(|x| x / (S::TWO * sine) * angle)
-}
-
-fn yaw_off<S: Float>(yaw: S, tool: &Frame<S>) -> S {
-    let [x, y, _] = tool.x_axis();
-    (yaw - y.atan2(x)).wrap_angle()
 }

@@ -12,12 +12,12 @@ mod trigonometric;
 
 pub use conditions::Condition;
 pub use general::Candidates;
-pub use near::{Near, Nearly};
+pub use near::{Exact, Forms, Near, Nearly};
 pub use roots::Roots;
 
 use free::Free;
 
-use crate::{Float, IkError, Rule, Solution, Solutions, Step, Wanted, Winding, residual_tolerance};
+use crate::{Branch, Float, IkError, Rule, Solution, Solutions, Step, Wanted, Winding, residual_tolerance};
 
 /// Coefficients up to this many machine epsilons (of the size of the numbers that the equation is made of) are what
 /// rounding leaves of 0.
@@ -52,6 +52,8 @@ pub struct Search<'a, const N: usize, S = f64> {
     solutions: Solutions<N, S>,
     /// Bit i is set where step i, solved last, left its unknown free.
     free_steps: u32,
+    /// Bit i is set where step i, solved last, took its `-` root.
+    branch: u32,
     /// The first row of what each step left free.
     free_rows: [u8; N],
     /// What was tried of each step that is free, or was.
@@ -94,6 +96,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             windings,
             solutions: Solutions::EMPTY,
             free_steps: 0,
+            branch: 0,
             free_rows: [0; N],
             free: core::array::from_fn(|_| None),
             failure: None,
@@ -116,15 +119,26 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         let tolerance: S = residual_tolerance();
         let hits = position_error <= tolerance * self.reach && rotation_error <= tolerance;
         if !(hits && q.iter().all(|value| value.is_finite())) {
-            let miss = (position_error / self.reach).max(rotation_error);
-            self.fail(DEPTH_OF_MISSED, miss, IkError::Failed { position_error, rotation_error });
+            self.miss(position_error, rotation_error);
             return;
         }
         let mut q = q;
         crate::rules::wrap_all(self.windings, &mut q);
         let free = self.free_row();
         self.accepted += 1;
-        self.solutions.push(Solution { q, position_error, rotation_error, free }, self.windings);
+        let branch = self.branch();
+        self.solutions.push(Solution { q, position_error, rotation_error, free, branch }, self.windings);
+    }
+
+    /// Drops a candidate that misses its target by so much (m, rad).
+    fn miss(&mut self, position_error: S, rotation_error: S) {
+        let miss = (position_error / self.reach).max(rotation_error);
+        self.fail(DEPTH_OF_MISSED, miss, IkError::Failed { position_error, rotation_error });
+    }
+
+    /// The roots that the steps solved last have taken.
+    fn branch(&self) -> Branch {
+        Branch::of_steps(self.branch)
     }
 
     /// Notes that a candidate was a solution but breaks a condition of the problem.
@@ -165,7 +179,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     /// A step begins: what it left free on another branch is forgotten.
     #[inline]
     fn begin(&mut self, step: Step) -> Scale<S> {
-        self.free_steps &= !bit(step);
+        self.free_steps &= !step.bit();
         let size = step.measure.scale(self.reach);
         Scale {
             size,
@@ -192,7 +206,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
 
     fn mark_free(&mut self, step: Step) {
         self.doubtful = true;
-        self.free_steps |= bit(step);
+        self.free_steps |= step.bit();
         if let Some(row) = self.free_rows.get_mut(usize::from(step.index)) {
             *row = step.first_row() as u8;
         }
@@ -223,8 +237,4 @@ struct Scale<S> {
     vanishing: S,
     /// A gap or an excess up to here is left to the residual of the candidate to judge.
     tolerance: S,
-}
-
-fn bit(step: Step) -> u32 {
-    1_u32.checked_shl(u32::from(step.index)).unwrap_or(0)
 }

@@ -1,7 +1,7 @@
 //! Solutions of a robot whose number of joints is known only at run time.
 
 use crate::solutions::{Solution, Solutions, travel};
-use crate::{Float, IkError, LengthError, MAX_JOINTS, Rules};
+use crate::{Branch, Float, IkError, LengthError, MAX_JOINTS, Rules};
 
 /// What [`Kinematics::ik_into`](crate::Kinematics::ik_into) fills: solutions with [`SolutionSet::dof`] joint values
 /// each. Starts empty, and can be used again and again.
@@ -22,6 +22,8 @@ pub struct SolutionView<'a, S = f64> {
     pub rotation_error: S,
     /// Where the target leaves a joint free, that joint's row in the table (0-based).
     pub free: Option<usize>,
+    /// Which of the target's solutions it is.
+    pub branch: Branch,
 }
 
 impl<S: Float> SolutionView<'_, S> {
@@ -48,13 +50,13 @@ impl<S: Float> SolutionSet<S> {
     pub fn fill<const N: usize>(&mut self, dof: usize, solutions: &Solutions<N, S>) {
         self.dof = dof.min(N).min(MAX_JOINTS);
         self.solutions = Solutions::EMPTY;
-        for Solution { q: from, position_error, rotation_error, free } in solutions {
+        for solution in solutions {
             let mut q = [S::ZERO; MAX_JOINTS];
-            for (to, from) in q.iter_mut().zip(from).take(self.dof) {
+            for (to, from) in q.iter_mut().zip(&solution.q).take(self.dof) {
                 *to = *from;
             }
-            let (position_error, rotation_error, free) = (*position_error, *rotation_error, *free);
-            self.solutions.append(Solution { q, position_error, rotation_error, free });
+            let Solution { position_error, rotation_error, free, branch, .. } = *solution;
+            self.solutions.append(Solution { q, position_error, rotation_error, free, branch });
         }
     }
 
@@ -106,7 +108,13 @@ impl<S: Float> SolutionSet<S> {
             position_error: solution.position_error,
             rotation_error: solution.rotation_error,
             free: solution.free,
+            branch: solution.branch,
         })
+    }
+
+    /// The solutions on a branch, see [`Solutions::on_branch`].
+    pub fn on_branch(&self, branch: Branch) -> impl Iterator<Item = SolutionView<'_, S>> {
+        self.iter().filter(move |solution| solution.branch == branch)
     }
 
     /// The solution with the least joint travel from `q`, see [`Solutions::nearest`].

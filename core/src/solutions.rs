@@ -4,7 +4,7 @@ use core::ops::Deref;
 
 use crate::rules::wrap_all;
 use crate::windings::{Unlimited, Windings};
-use crate::{Float, MAX_SOLUTIONS, Rules, Winding};
+use crate::{Branch, Float, MAX_SOLUTIONS, Rules, Winding};
 
 /// One solution of an inverse problem.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +17,8 @@ pub struct Solution<const N: usize, S = f64> {
     pub rotation_error: S,
     /// Where the target leaves a joint free, that joint's row in the table (0-based); `q` holds one of its values then.
     pub free: Option<usize>,
+    /// Which of the target's solutions it is.
+    pub branch: Branch,
 }
 
 impl<const N: usize, S: Float> Solution<N, S> {
@@ -53,8 +55,13 @@ const EXACT: f64 = 16_384.0;
 impl<const N: usize, S: Float> Solutions<N, S> {
     /// None. As a constant it is one copy of memory; an array that is filled costs more than a step of a solution.
     pub(crate) const EMPTY: Self = {
-        let nothing =
-            Solution { q: [S::ZERO; N], position_error: S::ZERO, rotation_error: S::ZERO, free: None };
+        let nothing = Solution {
+            q: [S::ZERO; N],
+            position_error: S::ZERO,
+            rotation_error: S::ZERO,
+            free: None,
+            branch: Branch::PLUS,
+        };
         Self { items: [nothing; MAX_SOLUTIONS], len: 0, dropped: 0 }
     };
 
@@ -91,6 +98,11 @@ impl<const N: usize, S: Float> Solutions<N, S> {
             .any(|known| !differ(&known.q, &solution.q, windings) && same(&known.q, &solution.q, windings));
         self.append(solution);
         new
+    }
+
+    /// Whether these joint values are there, whole turns aside.
+    pub(crate) fn contains(&self, q: &[S; N], windings: &[Winding<'_, S>]) -> bool {
+        self.iter().any(|known| same(&known.q, q, windings))
     }
 
     pub(crate) fn append(&mut self, solution: Solution<N, S>) {
@@ -160,6 +172,12 @@ impl<const N: usize, S: Float> Solutions<N, S> {
             }
         }
         best.0
+    }
+
+    /// The solutions on a branch: one at most where the arm is solved in closed form, unless a joint is free; without a closed
+    /// form all that have the determinant's sign.
+    pub fn on_branch(&self, branch: Branch) -> impl Iterator<Item = &Solution<N, S>> {
+        self.iter().filter(move |solution| solution.branch == branch)
     }
 
     /// Puts the solution with the least joint travel from `q` first, and so on.

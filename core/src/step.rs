@@ -15,6 +15,8 @@ pub struct Step {
     pub prismatic: bool,
     /// The dimension of the equation, that is, of each of its terms.
     pub measure: Measure,
+    /// Whether the sign of its root is a part of a solution's [`Branch`](crate::Branch).
+    pub signed: bool,
 }
 
 /// Dimension of an equation: of its right-hand side and of each of its terms.
@@ -40,9 +42,15 @@ impl Measure {
 }
 
 impl Step {
-    /// A step.
+    /// A step whose root, of two, has a sign.
     pub const fn new(index: u8, rows: u32, prismatic: bool, measure: Measure) -> Self {
-        Self { index, rows, prismatic, measure }
+        Self { index, rows, prismatic, measure, signed: true }
+    }
+
+    /// The same; which of two roots it takes says nothing of the solution.
+    #[must_use]
+    pub const fn unsigned(self) -> Self {
+        Self { signed: false, ..self }
     }
 
     /// The first row (0-based) whose theta or d is part of the unknown.

@@ -1,5 +1,7 @@
 //! What an inverse problem prescribes of the tool frame.
 
+mod missing;
+
 use core::fmt;
 use core::ops::Deref;
 
@@ -29,6 +31,19 @@ pub enum TargetKind {
     Xy,
     /// x, y and the turn of the tool's x axis about base z (planar arms): 3 rows.
     XyYaw,
+}
+
+impl TargetKind {
+    /// How many rows it prescribes.
+    pub const fn rows(self) -> usize {
+        match self {
+            Self::Pose => 6,
+            Self::PositionDirection => 5,
+            Self::PositionYaw | Self::Ray => 4,
+            Self::Position | Self::Rotation | Self::XyYaw => 3,
+            Self::Direction | Self::Lookat | Self::Xy => 2,
+        }
+    }
 }
 
 impl fmt::Display for TargetKind {
@@ -145,6 +160,25 @@ impl<S: Float> Target<S> {
             Self::Direction(direction) => Self::Direction(unit(direction)?),
             other => other,
         })
+    }
+
+    /// The target of this kind that a tool frame meets; of a line its point is the tool point, and so is what it looks at.
+    pub fn of_frame(kind: TargetKind, tool: &Frame<S>) -> Self {
+        let (position, direction) = (tool.translation, tool.z_axis());
+        let ([px, py, _], [x, y, _]) = (position, tool.x_axis());
+        let yaw = || y.atan2(x);
+        match kind {
+            TargetKind::Pose => Self::Pose(*tool),
+            TargetKind::Position => Self::Position(position),
+            TargetKind::PositionDirection => Self::PositionDirection { position, direction },
+            TargetKind::PositionYaw => Self::PositionYaw { position, yaw: yaw() },
+            TargetKind::Rotation => Self::Rotation(tool.rotation),
+            TargetKind::Direction => Self::Direction(direction),
+            TargetKind::Ray => Self::Ray { position, direction },
+            TargetKind::Lookat => Self::Lookat(position),
+            TargetKind::Xy => Self::Xy([px, py]),
+            TargetKind::XyYaw => Self::XyYaw { position: [px, py], yaw: yaw() },
+        }
     }
 
     /// A tool frame that meets the target: the only one that meets a pose. `None` where the target has no point or

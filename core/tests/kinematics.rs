@@ -4,11 +4,9 @@
 mod planar;
 mod random;
 
-use core::f64::consts::PI;
-
 use dh_core::{
-    Axis, Bound, FULL_POSE, Frame, IkError, Kinematics, LengthError, Mounted, MountingFrame, Rule, Rules,
-    Side, SolutionSet, Target, TargetKind, Violation,
+    Axis, Bound, FULL_POSE, Frame, IkError, Kinematics, LengthError, Mounted, Rule, Rules, Side, SolutionSet,
+    Target, TargetKind, Violation,
 };
 use planar::Planar;
 use random::Random;
@@ -127,28 +125,53 @@ fn the_mounted_jacobian_is_the_derivative_of_the_mounted_pose() {
     }
 }
 
-#[test]
-fn targets_that_say_too_little_are_refused_under_a_tool() {
+/// Of every solution of a planar target, the joint values sorted.
+fn solved(arm: &dyn Kinematics, target: &Target) -> Vec<Vec<f64>> {
     let mut out = SolutionSet::new();
-    let target = Target::XyYaw { position: [0.5, 0.1], yaw: 0.4 };
-    let kind = TargetKind::XyYaw;
-    let with_tool = Mounted::new(Planar::new()).with_tool(tool());
-    let refused = |frame| Err(IkError::Mounting { frame, target: kind });
-    assert_eq!(with_tool.ik_into("plane", &target, &mut out), refused(MountingFrame::Tool));
-    let tilted = Mounted::new(Planar::new()).with_base(base());
-    assert_eq!(tilted.ik_into("plane", &target, &mut out), refused(MountingFrame::Base));
-    let upside_down = Frame::from_rpy([0.0; 3], [PI, 0.0, 0.0]);
-    let hanging = Mounted::new(Planar::new()).with_base(upside_down);
-    assert_eq!(hanging.ik_into("plane", &target, &mut out), refused(MountingFrame::Base));
-    // About z alone it is exact.
-    let turned = Mounted::new(Planar::new()).with_base(Frame::from_rpy([0.1, -0.1, 0.5], [0.0, 0.0, 2.0]));
-    turned.ik_into("plane", &target, &mut out).unwrap();
-    assert_eq!(out.len(), 2);
+    arm.ik_into("plane", target, &mut out).unwrap();
     for solution in out.iter() {
-        let (position, rotation) = target.errors(&turned.fk(solution.q).unwrap());
-        assert!(position < 1e-12 && rotation < 1e-12);
-        assert_eq!(solution.position_error, position);
+        let (position, rotation) = target.errors(&arm.fk(solution.q).unwrap());
+        assert!(position < 1e-11 && rotation < 1e-11, "{position:e} {rotation:e}");
+        assert_eq!((solution.position_error, solution.rotation_error), (position, rotation));
     }
+    let mut all: Vec<Vec<f64>> = out.iter().map(|solution| solution.q.to_vec()).collect();
+    all.sort_by(|a, b| a[1].total_cmp(&b[1]));
+    all
+}
+
+/// A tool that turns the hand about z makes it another planar arm; tilted, the arm is solved in the world, and on a base
+/// that is not tilted that is the same.
+#[test]
+fn a_yaw_is_that_of_the_mounted_tool_in_the_world() {
+    let mut random = Random(11);
+    let tilted = Mounted::new(Planar::new()).with_tool(tool()).with_base(base());
+    let flat = Frame::from_rpy([0.02, 0.05, 0.1], [0.0, 0.0, 0.9]);
+    let turned = Mounted::new(Planar::new())
+        .with_tool(flat)
+        .with_base(Frame::from_rpy([0.1, -0.1, 0.5], [0.0, 0.0, 2.0]));
+    for _ in 0..40 {
+        let q = random_q(&mut random);
+        for arm in [&tilted as &dyn Kinematics, &turned] {
+            let target = Target::of_frame(TargetKind::XyYaw, &arm.fk(&q).unwrap());
+            let all = solved(arm, &target);
+            let apart = |a: &[f64]| a.iter().zip(q).map(|(a, b)| (a - b).sin().abs()).fold(0.0, f64::max);
+            assert!(all.iter().any(|a| apart(a) < 1e-6), "{q:?} is not among {all:?}");
+        }
+        let target = Target::of_frame(TargetKind::XyYaw, &turned.fk(&q).unwrap());
+        assert_eq!(solved(&turned, &target).len(), 2);
+    }
+}
+
+#[test]
+fn what_a_mounted_arm_cannot_reach_is_missed_by_what_is_said() {
+    let mut out = SolutionSet::new();
+    let arm = Mounted::new(Planar::new()).with_base(Frame::from_rpy([0.0; 3], [0.5, 0.0, 0.0]));
+    let far = Target::XyYaw { position: [3.0, 0.0], yaw: 0.0 };
+    let Err(IkError::Failed { position_error, .. }) = arm.ik_into("plane", &far, &mut out) else { panic!() };
+    assert!((position_error - 2.0).abs() < 1e-6 && out.is_empty(), "{position_error}");
+    assert_eq!(arm.ik_into("p", &far, &mut out), Err(IkError::UnknownProblem));
+    let expected = TargetKind::XyYaw;
+    assert_eq!(arm.ik_into("plane", &Target::Xy([0.1; 2]), &mut out), Err(IkError::WrongTarget { expected }));
 }
 
 #[test]

@@ -124,7 +124,13 @@ fn a_free_step_marks_what_follows_until_it_is_solved_again() {
 
 #[test]
 fn nearest_is_by_least_joint_travel() {
-    let solution = |q| Solution { q, position_error: 0.0, rotation_error: 0.0, free: None };
+    let solution = |q| Solution {
+        q,
+        position_error: 0.0,
+        rotation_error: 0.0,
+        free: None,
+        branch: dh_core::Branch::UNKNOWN,
+    };
     let mut solutions = Solutions::one(solution([1.0, 1.0]));
     solutions.push(solution([0.0, 1.3]), &TURN);
     solutions.push(solution([-2.0, 0.0]), &TURN);

@@ -21,7 +21,7 @@ const WINDINGS: [Winding<'static>; 2] =
     [Winding { joint: 0, turn: TAU, carries: &[] }, Winding { joint: 1, turn: TAU, carries: &[] }];
 
 fn solution(q: [f64; 2]) -> Solution<2> {
-    Solution { q, position_error: 0.0, rotation_error: 0.0, free: None }
+    Solution { q, position_error: 0.0, rotation_error: 0.0, free: None, branch: dh_core::Branch::UNKNOWN }
 }
 
 fn only(q: [f64; 2]) -> Solutions<2> {
@@ -182,8 +182,13 @@ fn single_precision_selects_too() {
     let windings = [Winding { joint: 0, turn: core::f32::consts::TAU, carries: &[] }];
     let joints = [joint];
     let rules = Rules::of_joints(&joints, &windings);
-    let only =
-        Solutions::one(Solution { q: [-1.0_f32], position_error: 0.0, rotation_error: 0.0, free: None });
+    let only = Solutions::one(Solution {
+        q: [-1.0_f32],
+        position_error: 0.0,
+        rotation_error: 0.0,
+        free: None,
+        branch: dh_core::Branch::UNKNOWN,
+    });
     let q = only.within(&rules, |_| [0.0; 3], None).unwrap()[0].q[0];
     assert!((q - (core::f32::consts::TAU - 1.0)).abs() < 1e-6);
 }

@@ -4,7 +4,7 @@
 use dh_core::{IkError, LengthError, Norm, Solution, Solutions, TrackError, Travel, track};
 
 fn solution(q: [f64; 2]) -> Solution<2> {
-    Solution { q, position_error: 0.0, rotation_error: 0.0, free: None }
+    Solution { q, position_error: 0.0, rotation_error: 0.0, free: None, branch: dh_core::Branch::UNKNOWN }
 }
 
 #[test]

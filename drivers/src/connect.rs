@@ -115,7 +115,8 @@ pub fn simulated(
 fn servo(joint: &DeviceJoint, baud: u32) -> Result<ServoSpec, ConnectError> {
     let missing = |what, instead| ConnectError::Map(MapError { joint: joint.name.clone(), what, instead });
     let id = u8::try_from(joint.id).ok().filter(|id| *id <= MAX_ID);
-    let id = id.ok_or_else(|| missing("a servo whose id is over 252", "write id = 1 to 252".to_owned()))?;
+    let id =
+        id.ok_or_else(|| missing("a servo whose id is over 252", format!("write id = 0 to {MAX_ID}")))?;
     let model = Model::by_name(joint.model.as_deref().unwrap_or_default()).ok_or_else(|| {
         let known = MODELS.map(|model| model.name).join(", ");
         missing("a servo of a model that is not known", format!("write model = one of {known}"))

@@ -5,10 +5,11 @@
 use ::core::f64::consts::{FRAC_PI_2, PI, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    Arm, ConstraintTerm, FULL_POSE, Float, Frame, FreeValues, IkError, Jacobian, Joint, Kinematics,
-    LengthError, Limits, Measure, Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search,
-    Seed, Servo, Solution, SolutionSet, Solutions, Step, Target, TargetKind, TrackError,
-    Violations, Wanted, Winding, copy_into, jacobian_from_columns, joint_array, track,
+    Arm, BranchBit, BranchWord, ConstraintTerm, FULL_POSE, Float, Frame, FreeValues, IkError,
+    Jacobian, Joint, Kinematics, LengthError, Limits, Measure, Mounted, NamedPose, Pose,
+    ProblemInfo, Redundancy, Rules, Search, Seed, Servo, Solution, SolutionSet, Solutions, Step,
+    Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into, jacobian_from_columns,
+    joint_array, track,
 };
 
 /// Kinematics of the RT Corporation CRANE-X7: 7 revolute joints.
@@ -138,9 +139,9 @@ impl CraneX7 {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[2], constraints: &[] },
-        ProblemInfo { name: "planar", target: TargetKind::Position, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }, ConstraintTerm { equation: 3, joint: Some(6), coefficient: 1.0 }] },
-        ProblemInfo { name: "wrist_down", target: TargetKind::Position, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: None, coefficient: PI }, ConstraintTerm { equation: 3, joint: Some(6), coefficient: 1.0 }] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[2], constraints: &[], branch: &[BranchBit::new(1, BranchWord::Shoulder, 0), BranchBit::new(0, BranchWord::Elbow, 3), BranchBit::new(3, BranchWord::Wrist, 5)] },
+        ProblemInfo { name: "planar", target: TargetKind::Position, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }, ConstraintTerm { equation: 3, joint: Some(6), coefficient: 1.0 }], branch: &[BranchBit::new(1, BranchWord::Shoulder, 1), BranchBit::new(0, BranchWord::Elbow, 3)] },
+        ProblemInfo { name: "wrist_down", target: TargetKind::Position, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: None, coefficient: PI }, ConstraintTerm { equation: 3, joint: Some(6), coefficient: 1.0 }], branch: &[BranchBit::new(1, BranchWord::Shoulder, 1), BranchBit::new(0, BranchWord::Elbow, 3)] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -225,9 +226,11 @@ impl CraneX7 {
     ///           py0 = py - tool_z r23
     ///           n1 = d1 (2 pz0 - d1) - (px0^2 + py0^2 + pz0^2 - d5^2 - d3^2)
     ///           (squared distance of the position from the origin of frame 1)
+    ///           elbow + where 2 d3 d5 s4 > 0, else -
     /// theta1:   py0 c1 - px0 s1 = -z1
     ///           z1 = d5 s4 s3
     ///           (row 3 of the position in frame 1)
+    ///           shoulder + where py0 s1 > -px0 c1, else -
     /// theta2:   d5 s4 c3 c2 + (d5 c4 + d3) s2 = -x1
     ///           (d5 c4 + d3) c2 - d5 s4 c3 s2 = z0
     ///           x1 = px0 c1 + py0 s1
@@ -243,6 +246,7 @@ impl CraneX7 {
     ///           zz3 = c3 (r13 s1 - r23 c1)
     ///           zz3_2 = s3 (c2 (r13 c1 + r23 s1) + r33 s2) + zz3
     ///           (row 3 of the z axis in frame 4)
+    ///           wrist + where s6 > 0, else -
     /// theta5:   s6 c5 = zx4_2
     ///           s6 s5 = zz3_2
     ///           (rows 1 and 2 of the z axis in frame 4)
@@ -342,9 +346,11 @@ impl CraneX7 {
     ///           n1 = d1 (2 pz - d1) - (px^2 + py^2 + pz^2 - tool_z^2 - d3^2 - d5 (d5 + 2
     ///           tool_z))
     ///           (squared distance of the position from the origin of frame 1)
+    ///           elbow + where d3 (2 tool_z + 2 d5) s4 > 0, else -
     /// theta2:   ((tool_z + d5) c4 + d3) c2 - (tool_z + d5) s4 s2 = z0
     ///           z0 = pz - d1
     ///           (row 3 of the position in frame 0)
+    ///           shoulder + where ((tool_z + d5) c4 + d3) s2 > -(tool_z + d5) s4 c2, else -
     /// theta1:   px c1 + py s1 = -x1
     ///           py c1 - px s1 = 0
     ///           s24 = s4 c2 + c4 s2
@@ -410,8 +416,10 @@ impl CraneX7 {
     /// theta4:   2 d3 d5 c4 = px^2 + py^2 + z0^2 - d5^2 - d3^2
     ///           z0 = pz + tool_z - d1
     ///           (squares of all rows of the position in frame 0)
+    ///           elbow + where 2 d3 d5 s4 > 0, else -
     /// theta2:   (d5 c4 + d3) c2 - d5 s4 s2 = z0
     ///           (row 3 of the position in frame 0)
+    ///           shoulder + where (d5 c4 + d3) s2 > -d5 s4 c2, else -
     /// theta1:   px c1 + py s1 = -x1
     ///           py c1 - px s1 = 0
     ///           s24 = s4 c2 + c4 s2

@@ -5,10 +5,10 @@
 use ::core::f64::consts::{FRAC_PI_2, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    Axis, Bound, Condition, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, KeepOut, Kinematics,
-    LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo,
-    SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted, Winding,
-    copy_into, jacobian_from_columns, joint_array, track,
+    Axis, Bound, BranchBit, BranchWord, Condition, FULL_POSE, Float, Frame, IkError, Jacobian,
+    Joint, KeepOut, Kinematics, LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rule,
+    Rules, Search, Seed, Servo, SolutionSet, Solutions, Step, Target, TargetKind, TrackError,
+    Violations, Wanted, Winding, copy_into, jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the Elbow 3R: 3 revolute joints.
@@ -96,9 +96,9 @@ impl Elbow3R {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
-        ProblemInfo { name: "position", target: TargetKind::Position, free: &[], constraints: &[] },
-        ProblemInfo { name: "position_elbow_up", target: TargetKind::Position, free: &[], constraints: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "position", target: TargetKind::Position, free: &[], constraints: &[], branch: &[BranchBit::new(1, BranchWord::Shoulder, 1), BranchBit::new(0, BranchWord::Elbow, 2)] },
+        ProblemInfo { name: "position_elbow_up", target: TargetKind::Position, free: &[], constraints: &[], branch: &[BranchBit::new(1, BranchWord::Shoulder, 1), BranchBit::new(0, BranchWord::Elbow, 2)] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -264,9 +264,11 @@ impl Elbow3R {
     /// theta3:   2 a2 a3 c3 = -n1
     ///           n1 = d1 (2 pz - d1) - (px^2 + py^2 + pz^2 - a3^2 - a2^2)
     ///           (squared distance of the position from the origin of frame 1)
+    ///           elbow + where 2 a2 a3 s3 > 0, else -
     /// theta2:   a3 s3 c2 + (a3 c3 + a2) s2 = z0
     ///           z0 = pz - d1
     ///           (row 3 of the position in frame 0)
+    ///           shoulder + where a3 s3 s2 > (a3 c3 + a2) c2, else -
     /// theta1:   px c1 + py s1 = x1
     ///           py c1 - px s1 = 0
     ///           c23 = c3 c2 - s3 s2
@@ -332,9 +334,11 @@ impl Elbow3R {
     /// theta3:   2 a2 a3 c3 = -n1
     ///           n1 = d1 (2 pz - d1) - (px^2 + py^2 + pz^2 - a3^2 - a2^2)
     ///           (squared distance of the position from the origin of frame 1)
+    ///           elbow + where 2 a2 a3 s3 > 0, else -
     /// theta2:   a3 s3 c2 + (a3 c3 + a2) s2 = z0
     ///           z0 = pz - d1
     ///           (row 3 of the position in frame 0)
+    ///           shoulder + where a3 s3 s2 > (a3 c3 + a2) c2, else -
     /// theta1:   px c1 + py s1 = x1
     ///           py c1 - px s1 = 0
     ///           c23 = c3 c2 - s3 s2
@@ -740,5 +744,17 @@ impl Kinematics for Elbow3R {
         };
         out.fill(Self::DOF, &solutions);
         Ok(())
+    }
+
+    fn broken_condition(&self, problem: &str, q: &[f64]) -> Option<Rule> {
+        let q: &[f64; 3] = joint_array(q).ok()?;
+        match problem {
+            "position_elbow_up" => {
+                // where theta3 <= 0
+                let conditions = [Condition::at_most_zero(Float::wrap_angle(q[2]))];
+                Condition::broken(&conditions)
+            }
+            _ => None,
+        }
     }
 }

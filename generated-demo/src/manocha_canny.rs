@@ -4,10 +4,10 @@
 
 use ::core::f64::consts::TAU;
 use ::dh_runtime::{
-    Chart, FULL_POSE, Float, Frame, GeneralArm, IkError, Jacobian, Joint, Kinematics, LengthError,
-    Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet,
-    Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into,
-    jacobian_from_columns, joint_array, track,
+    BranchBit, BranchWord, Chart, FULL_POSE, Float, Frame, GeneralArm, IkError, Jacobian, Joint,
+    Kinematics, LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed,
+    Servo, SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted,
+    Winding, copy_into, jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the Manocha-Canny 6R: 6 revolute joints.
@@ -106,7 +106,7 @@ impl ManochaCanny6R {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 1] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Determinant, 0)] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -187,6 +187,7 @@ impl ManochaCanny6R {
     ///           (the line of axis theta5 seen from both sides; theta6 and theta1 eliminated from
     ///           its 14 power products, theta2 and theta3 by a resultant; they and theta5 follow
     ///           from each root)
+    ///           determinant + or -: that of the Jacobian, which several solutions may share
     /// ```
     ///
     /// Another method (a trigonometric polynomial of degree 12 in theta3 is 0) finds the same

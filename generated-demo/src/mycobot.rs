@@ -5,10 +5,11 @@
 use ::core::f64::consts::{FRAC_PI_2, PI, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    Axis, Bound, Condition, ConstraintTerm, FULL_POSE, Float, Frame, IkError, Jacobian, Joint,
-    Kinematics, LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed,
-    Servo, SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted,
-    Winding, copy_into, jacobian_from_columns, joint_array, track,
+    Axis, Bound, BranchBit, BranchWord, Condition, ConstraintTerm, FULL_POSE, Float, Frame,
+    IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted, NamedPose, Pose,
+    ProblemInfo, Rule, Rules, Search, Seed, Servo, SolutionSet, Solutions, Step, Target,
+    TargetKind, TrackError, Violations, Wanted, Winding, copy_into, jacobian_from_columns,
+    joint_array, track,
 };
 
 /// Kinematics of the Elephant Robotics myCobot 280 Pi: 6 revolute joints.
@@ -127,9 +128,9 @@ impl MyCobot280Pi {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
-        ProblemInfo { name: "tool_down", target: TargetKind::Position, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: None, coefficient: FRAC_PI_2 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(0), coefficient: -1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }] },
-        ProblemInfo { name: "tool_down_elbow_up", target: TargetKind::Position, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: None, coefficient: FRAC_PI_2 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(0), coefficient: -1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(4, BranchWord::Elbow, 2), BranchBit::new(1, BranchWord::Wrist, 4)] },
+        ProblemInfo { name: "tool_down", target: TargetKind::Position, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: None, coefficient: FRAC_PI_2 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(0), coefficient: -1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(1, BranchWord::Elbow, 2)] },
+        ProblemInfo { name: "tool_down_elbow_up", target: TargetKind::Position, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: None, coefficient: FRAC_PI_2 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(0), coefficient: -1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(1, BranchWord::Elbow, 2)] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -210,10 +211,12 @@ impl MyCobot280Pi {
     ///           py0 = py - d6 r23
     ///           px0 = px - d6 r13
     ///           (row 3 of the position in frame 1)
+    ///           shoulder + where py0 s1 > -px0 c1, else -
     /// theta5:   c5 = -zz1
     ///           zz1 = r13 s1 - r23 c1
     ///           zx1 = r13 c1 + r23 s1
     ///           (row 3 of the z axis in frame 1)
+    ///           wrist + where s5 > 0, else -
     /// theta6:   s5 c6 = xz1
     ///           s5 s6 = -yz1
     ///           xz1 = r11 s1 - r21 c1
@@ -229,6 +232,7 @@ impl MyCobot280Pi {
     ///           x1 = px0 c1 + py0 s1
     ///           x1_2 = x1 - d5 s234
     ///           (squares of rows 1 and 2 of the position in frame 1)
+    ///           elbow + where 2 a2 a3 s3 > 0, else -
     /// theta4:   (a2 c3 + a3) c4 - a2 s3 s4 = x4
     ///           a2 s3 c4 + (a2 c3 + a3) s4 = z4
     ///           x4 = s234 z0 + c234 x1
@@ -309,10 +313,12 @@ impl MyCobot280Pi {
     /// ```text
     /// theta1:   py c1 - px s1 = -d4
     ///           (row 3 of the position in frame 1)
+    ///           shoulder + where py s1 > -px c1, else -
     /// theta3:   2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
     ///           z0 = pz + d6 - d1
     ///           x1 = px c1 + py s1 - d5
     ///           (squares of rows 1 and 2 of the position in frame 1)
+    ///           elbow + where 2 a2 a3 s3 > 0, else -
     /// theta2:   (a3 c3 + a2) c2 - a3 s3 s2 = x1
     ///           a3 s3 c2 + (a3 c3 + a2) s2 = z0
     ///           (rows 1 and 2 of the position in frame 1)
@@ -376,10 +382,12 @@ impl MyCobot280Pi {
     /// ```text
     /// theta1:   py c1 - px s1 = -d4
     ///           (row 3 of the position in frame 1)
+    ///           shoulder + where py s1 > -px c1, else -
     /// theta3:   2 a2 a3 c3 = z0^2 + x1^2 - a3^2 - a2^2
     ///           z0 = pz + d6 - d1
     ///           x1 = px c1 + py s1 - d5
     ///           (squares of rows 1 and 2 of the position in frame 1)
+    ///           elbow + where 2 a2 a3 s3 > 0, else -
     /// theta2:   (a3 c3 + a2) c2 - a3 s3 s2 = x1
     ///           a3 s3 c2 + (a3 c3 + a2) s2 = z0
     ///           (rows 1 and 2 of the position in frame 1)
@@ -1014,5 +1022,17 @@ impl Kinematics for MyCobot280Pi {
         };
         out.fill(Self::DOF, &solutions);
         Ok(())
+    }
+
+    fn broken_condition(&self, problem: &str, q: &[f64]) -> Option<Rule> {
+        let q: &[f64; 6] = joint_array(q).ok()?;
+        match problem {
+            "tool_down_elbow_up" => {
+                // where theta3 <= 0
+                let conditions = [Condition::at_most_zero(Float::wrap_angle(q[2]))];
+                Condition::broken(&conditions)
+            }
+            _ => None,
+        }
     }
 }

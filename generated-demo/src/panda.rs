@@ -5,10 +5,11 @@
 use ::core::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    Arm, ConstraintTerm, FULL_POSE, Float, Frame, FreeValues, IkError, Jacobian, Joint, Kinematics,
-    LengthError, Limits, Measure, Mounted, NamedPose, Pose, ProblemInfo, Redundancy, Rules, Search,
-    Seed, Servo, Solution, SolutionSet, Solutions, Step, Target, TargetKind, TrackError,
-    Violations, Wanted, Winding, copy_into, jacobian_from_columns, joint_array, track,
+    Arm, BranchBit, BranchWord, ConstraintTerm, FULL_POSE, Float, Frame, FreeValues, IkError,
+    Jacobian, Joint, Kinematics, LengthError, Limits, Measure, Mounted, NamedPose, Pose,
+    ProblemInfo, Redundancy, Rules, Search, Seed, Servo, Solution, SolutionSet, Solutions, Step,
+    Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into, jacobian_from_columns,
+    joint_array, track,
 };
 
 /// Kinematics of the Franka Emika Panda: 7 revolute joints.
@@ -143,8 +144,8 @@ impl Panda {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[6], constraints: &[] },
-        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(1), coefficient: -1.0 }, ConstraintTerm { equation: 2, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[6], constraints: &[], branch: &[BranchBit::new(3, BranchWord::Shoulder, 1), BranchBit::new(0, BranchWord::Elbow, 3), BranchBit::new(1, BranchWord::Wrist, 5)] },
+        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(1), coefficient: -1.0 }, ConstraintTerm { equation: 2, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 2, joint: Some(5), coefficient: 1.0 }], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(2, BranchWord::Elbow, 3)] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -230,9 +231,11 @@ impl Panda {
     ///           n5 = a7 (2 bx c7 - a7 - 2 s7 by) - (bx^2 - (d5^2 + a5^2 + a4^2 + d3^2) + by^2 +
     ///           bz^2)
     ///           (squared distance of the start of the second axis from the origin of frame 5)
+    ///           elbow + where (2 d3 d5 + 2 a4 a5) s4 > (2 d3 a5 - 2 a4 d5) c4, else -
     /// theta6:   bz c6 - (bx c7 - a7 - by s7) s6 = z4
     ///           z4 = a4 s4 - d5 - d3 c4
     ///           (row 3 of the start of the second axis in frame 4)
+    ///           wrist + where bz s6 > -(bx c7 - a7 - by s7) c6, else -
     /// theta5:   (a4 c4 + a5 + d3 s4) c5 = x5
     ///           (a4 c4 + a5 + d3 s4) s5 = z5
     ///           x5 = c6 (bx c7 - by s7 - a7) + bz s6
@@ -245,6 +248,7 @@ impl Panda {
     ///           zx3_2 = c4 (c5 (c6 (r32 s7 - r31 c7) - r33 s6) - s5 (r31 s7 + r32 c7)) - zx3
     ///           zz3 = s5 (c6 (r32 s7 - r31 c7) - r33 s6) + c5 (r31 s7 + r32 c7)
     ///           (row 2 of the base's z axis in frame 3)
+    ///           shoulder + where s2 > 0, else -
     /// theta3:   s2 c3 = zx3_2
     ///           s2 s3 = -zz3
     ///           (rows 1 and 3 of the base's z axis in frame 3)
@@ -347,6 +351,7 @@ impl Panda {
     /// ```text
     /// theta1:   py c1 - px s1 = 0
     ///           (row 3 of the position in frame 1)
+    ///           shoulder + where py s1 > -px c1, else -
     /// theta7:   c1 c7 + s1 s7 = cyaw
     ///           s1 c7 - c1 s7 = syaw
     ///           (cosine of the yaw; sine of the yaw)
@@ -355,6 +360,7 @@ impl Panda {
     ///           z0 = pz + d7 - d1
     ///           x1 = px c1 + py s1 - a7
     ///           (squares of rows 1 and 2 of the position in frame 1)
+    ///           elbow + where (2 d3 d5 + 2 a4 a5) s4 > (2 d3 a5 - 2 a4 d5) c4, else -
     /// theta2:   (d5 s4 - a4 - a5 c4) c2 - (d5 c4 + d3 + a5 s4) s2 = -x1
     ///           (d5 c4 + d3 + a5 s4) c2 + (d5 s4 - a4 - a5 c4) s2 = z0
     ///           (rows 1 and 2 of the position in frame 1)

@@ -5,10 +5,10 @@
 use ::core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    ConstraintTerm, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError,
-    Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet,
-    Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into,
-    jacobian_from_columns, joint_array, track,
+    BranchBit, BranchWord, ConstraintTerm, FULL_POSE, Float, Frame, IkError, Jacobian, Joint,
+    Kinematics, LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed,
+    Servo, SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted,
+    Winding, copy_into, jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the Unimation Puma 560: 6 revolute joints.
@@ -112,8 +112,8 @@ impl Puma560 {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
-        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: None, coefficient: PI }] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[BranchBit::new(1, BranchWord::Shoulder, 0), BranchBit::new(0, BranchWord::Elbow, 2), BranchBit::new(3, BranchWord::Wrist, 4)] },
+        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: None, coefficient: PI }], branch: &[BranchBit::new(1, BranchWord::Shoulder, 1), BranchBit::new(0, BranchWord::Elbow, 2)] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -193,8 +193,10 @@ impl Puma560 {
     /// theta3:   2 a2 a3 c3 - 2 a2 d4 s3 = -n1
     ///           n1 = d1 (2 pz - d1) - (px^2 + py^2 + pz^2 - d4^2 - a3^2 - d3^2 - a2^2)
     ///           (squared distance of the position from the origin of frame 1)
+    ///           elbow + where 2 a2 a3 s3 > -2 a2 d4 c3, else -
     /// theta1:   py c1 - px s1 = -d3
     ///           (row 3 of the position in frame 1)
+    ///           shoulder + where py s1 > -px c1, else -
     /// theta2:   (px c1 + py s1) c2 + (pz - d1) s2 = -x2
     ///           (pz - d1) c2 - (px c1 + py s1) s2 = y2
     ///           x2 = d4 s3 - a2 - a3 c3
@@ -205,6 +207,7 @@ impl Puma560 {
     ///           zx3 = s2 (s3 (r13 c1 + r23 s1) - r33 c3) - c2 (c3 (r13 c1 + r23 s1) + r33 s3)
     ///           zz1 = r13 s1 - r23 c1
     ///           (row 3 of the z axis in frame 3)
+    ///           wrist + where s5 > 0, else -
     /// theta4:   s5 c4 = zx3
     ///           s5 s4 = zz1
     ///           (rows 1 and 2 of the z axis in frame 3)
@@ -294,9 +297,11 @@ impl Puma560 {
     /// theta3:   2 a2 a3 c3 - 2 a2 d4 s3 = -n1
     ///           n1 = d1 (2 pz - d1) - (px^2 + py^2 + pz^2 - d4^2 - a3^2 - d3^2 - a2^2)
     ///           (squared distance of the position from the origin of frame 1)
+    ///           elbow + where 2 a2 a3 s3 > -2 a2 d4 c3, else -
     /// theta2:   (d4 c3 + a3 s3) c2 - (d4 s3 - a2 - a3 c3) s2 = z0
     ///           z0 = pz - d1
     ///           (row 3 of the position in frame 0)
+    ///           shoulder + where (d4 c3 + a3 s3) s2 > -(d4 s3 - a2 - a3 c3) c2, else -
     /// theta1:   px c1 + py s1 = -x1
     ///           py c1 - px s1 = -d3
     ///           x1 = c2 (d4 s3 - a3 c3 - a2) + (d4 c3 + a3 s3) s2

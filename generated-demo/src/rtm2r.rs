@@ -5,10 +5,10 @@
 use ::core::f64::consts::{FRAC_PI_2, TAU};
 use ::dh_runtime::nalgebra::Point2;
 use ::dh_runtime::{
-    Condition, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure,
-    Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet, Solutions,
-    Step, Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into,
-    jacobian_from_columns, joint_array, track,
+    BranchBit, BranchWord, Condition, FULL_POSE, Float, Frame, IkError, Jacobian, Joint,
+    Kinematics, LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rule, Rules, Search,
+    Seed, Servo, SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted,
+    Winding, copy_into, jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the RT-middleware 2R: 2 revolute joints.
@@ -85,10 +85,10 @@ impl RTMiddleware2R {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 4] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
-        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[], constraints: &[] },
-        ProblemInfo { name: "xy_elbow_right", target: TargetKind::Xy, free: &[], constraints: &[] },
-        ProblemInfo { name: "xy_elbow_left", target: TargetKind::Xy, free: &[], constraints: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Elbow, 1)] },
+        ProblemInfo { name: "xy_elbow_right", target: TargetKind::Xy, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Elbow, 1)] },
+        ProblemInfo { name: "xy_elbow_left", target: TargetKind::Xy, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Elbow, 1)] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -249,6 +249,7 @@ impl RTMiddleware2R {
     /// theta2:   2 a1 a2 c2 = n0
     ///           n0 = px^2 + py^2 - a2^2 - a1^2
     ///           (squared distance of the position from the origin of frame 0)
+    ///           elbow + where 2 a1 a2 s2 > 0, else -
     /// theta1:   px c1 + py s1 = x1
     ///           py c1 - px s1 = y1
     ///           x1 = a2 c2 + a1
@@ -313,6 +314,7 @@ impl RTMiddleware2R {
     /// theta2:   2 a1 a2 c2 = n0
     ///           n0 = px^2 + py^2 - a2^2 - a1^2
     ///           (squared distance of the position from the origin of frame 0)
+    ///           elbow + where 2 a1 a2 s2 > 0, else -
     /// theta1:   px c1 + py s1 = x1
     ///           py c1 - px s1 = y1
     ///           x1 = a2 c2 + a1
@@ -378,6 +380,7 @@ impl RTMiddleware2R {
     /// theta2:   2 a1 a2 c2 = n0
     ///           n0 = px^2 + py^2 - a2^2 - a1^2
     ///           (squared distance of the position from the origin of frame 0)
+    ///           elbow + where 2 a1 a2 s2 > 0, else -
     /// theta1:   px c1 + py s1 = x1
     ///           py c1 - px s1 = y1
     ///           x1 = a2 c2 + a1
@@ -743,5 +746,22 @@ impl Kinematics for RTMiddleware2R {
         };
         out.fill(Self::DOF, &solutions);
         Ok(())
+    }
+
+    fn broken_condition(&self, problem: &str, q: &[f64]) -> Option<Rule> {
+        let q: &[f64; 2] = joint_array(q).ok()?;
+        match problem {
+            "xy_elbow_right" => {
+                // where theta2 >= 0
+                let conditions = [Condition::at_most_zero(-Float::wrap_angle(q[1]))];
+                Condition::broken(&conditions)
+            }
+            "xy_elbow_left" => {
+                // where theta2 <= 0
+                let conditions = [Condition::at_most_zero(Float::wrap_angle(q[1]))];
+                Condition::broken(&conditions)
+            }
+            _ => None,
+        }
     }
 }

@@ -5,10 +5,10 @@
 use ::core::f64::consts::TAU;
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted,
-    NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet, Solutions, Step, Target,
-    TargetKind, TrackError, Violations, Wanted, Winding, copy_into, jacobian_from_columns,
-    joint_array, track,
+    BranchBit, BranchWord, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics,
+    LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo,
+    SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted, Winding,
+    copy_into, jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the Adept Cobra 600: 3 revolute and 1 prismatic joint.
@@ -99,8 +99,8 @@ impl Cobra600 {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
-        ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[], constraints: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[], constraints: &[], branch: &[BranchBit::new(1, BranchWord::Elbow, 1)] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -275,6 +275,7 @@ impl Cobra600 {
     ///           n0 = px^2 + py^2 + pz^2 - a2^2 - a1^2 - d1^2
     ///           n0_2 = d3 (d3 - 2 d1) - n0
     ///           (squared distance of the position from the origin of frame 0)
+    ///           elbow + where 2 a1 a2 s2 > 0, else -
     /// theta1:   px c1 + py s1 = x1
     ///           py c1 - px s1 = y1
     ///           x1 = a2 c2 + a1
@@ -287,8 +288,8 @@ impl Cobra600 {
     ///           (cosine of the yaw; sine of the yaw)
     /// ```
     ///
-    /// Another method (Newton's method from some hundred places, on the product of the matrices)
-    /// finds the same solutions at 8 of 8 random poses.
+    /// Another method (a trigonometric polynomial of degree 2 in theta4 is 0) finds the same
+    /// solutions at 32 of 32 random poses.
     ///
     /// Besides solving, on each branch: 18 multiplications, 16 additions, 0 sine-cosine pairs.
     ///
@@ -463,7 +464,7 @@ fn tool_point(q: &[f64; 4]) -> [f64; 3] {
 fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<4>, IkError> {
     const D3: Step = Step::new(0, 0b100, true, Measure::Length);
     const THETA12M4: Step = Step::new(1, 0b1011, false, Measure::Ratio);
-    const THETA4: Step = Step::new(2, 0b1000, false, Measure::Area);
+    const THETA4: Step = Step::new(2, 0b1000, false, Measure::Area).unsigned();
     const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
 
     let pose = target.validate_pose()?;

@@ -4,10 +4,10 @@
 
 use ::core::f64::consts::{FRAC_PI_2, TAU};
 use ::dh_runtime::{
-    FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted,
-    NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet, Solutions, Step, Target,
-    TargetKind, TrackError, Violations, Wanted, Winding, copy_into, jacobian_from_columns,
-    joint_array, track,
+    BranchBit, BranchWord, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics,
+    LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo,
+    SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted, Winding,
+    copy_into, jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the Stanford University Stanford arm: 5 revolute and 1 prismatic joint.
@@ -100,7 +100,7 @@ impl StanfordArm {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 1] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(1, BranchWord::Elbow, 1), BranchBit::new(3, BranchWord::Wrist, 4)] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -182,9 +182,11 @@ impl StanfordArm {
     ///           py0 = py - tool_z r23
     ///           px0 = px - tool_z r13
     ///           (row 3 of the position in frame 1)
+    ///           shoulder + where py0 s1 > -px0 c1, else -
     /// theta2:   (px0 c1 + py0 s1) c2 - (pz0 - d1) s2 = 0
     ///           pz0 = pz - tool_z r33
     ///           (row 1 of the position in frame 2)
+    ///           elbow + where (px0 c1 + py0 s1) s2 > -(pz0 - d1) c2, else -
     /// d3:       -d3 = -z2
     ///           z2 = (px0 c1 + py0 s1) s2 + (pz0 - d1) c2
     ///           (row 3 of the position in frame 2)
@@ -193,6 +195,7 @@ impl StanfordArm {
     ///           zx2 = c2 (r13 c1 + r23 s1) - r33 s2
     ///           zz1 = r23 c1 - r13 s1
     ///           (row 3 of the z axis in frame 2)
+    ///           wrist + where s5 > 0, else -
     /// theta4:   s5 s4 = zx2
     ///           s5 c4 = -zz1
     ///           (rows 1 and 2 of the z axis in frame 2)

@@ -5,10 +5,10 @@
 use ::core::f64::consts::{FRAC_PI_2, PI, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError, Measure, Mounted,
-    NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet, Solutions, Step,
-    SumLimit, Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into,
-    jacobian_from_columns, joint_array, track,
+    BranchBit, BranchWord, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics,
+    LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo,
+    SolutionSet, Solutions, Step, SumLimit, Target, TargetKind, TrackError, Violations, Wanted,
+    Winding, copy_into, jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the UFACTORY uArm Swift Pro: 4 revolute joints.
@@ -110,8 +110,8 @@ impl UArmSwiftPro {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
-        ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[], constraints: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "place", target: TargetKind::PositionYaw, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(2, BranchWord::Elbow, 2)] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -279,6 +279,7 @@ impl UArmSwiftPro {
     /// ```text
     /// theta1:   py c1 - px s1 = 0
     ///           (row 3 of the position in frame 1)
+    ///           shoulder + where py s1 > -px c1, else -
     /// theta5:   c1 c5 + s1 s5 = cyaw
     ///           s1 c5 - c1 s5 = syaw
     ///           (cosine of the yaw; sine of the yaw)
@@ -286,6 +287,7 @@ impl UArmSwiftPro {
     ///           z0 = pz + d5 - d1
     ///           x1 = px c1 + py s1 - a4 - a1
     ///           (squares of rows 1 and 2 of the position in frame 1)
+    ///           elbow + where 2 a2 a3 s3 > 0, else -
     /// theta2:   (a3 c3 + a2) c2 - a3 s3 s2 = x1
     ///           a3 s3 c2 + (a3 c3 + a2) s2 = z0
     ///           (rows 1 and 2 of the position in frame 1)
@@ -507,9 +509,9 @@ fn tool_point(q: &[f64; 4]) -> [f64; 3] {
 /// Every solution of the full pose.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<4>, IkError> {
-    const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
+    const THETA1: Step = Step::new(0, 0b1, false, Measure::Length).unsigned();
     const THETA5: Step = Step::new(1, 0b1_0000, false, Measure::Ratio);
-    const THETA3: Step = Step::new(2, 0b100, false, Measure::Area);
+    const THETA3: Step = Step::new(2, 0b100, false, Measure::Area).unsigned();
     const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
 
     let pose = target.validate_pose()?;

@@ -5,10 +5,10 @@
 use ::core::f64::consts::{FRAC_PI_2, PI, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    ConstraintTerm, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError,
-    Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet,
-    Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into,
-    jacobian_from_columns, joint_array, track,
+    BranchBit, BranchWord, ConstraintTerm, FULL_POSE, Float, Frame, IkError, Jacobian, Joint,
+    Kinematics, LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed,
+    Servo, SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted,
+    Winding, copy_into, jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the Universal Robots UR5e: 6 revolute joints.
@@ -109,8 +109,8 @@ impl UR5e {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
-        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: None, coefficient: FRAC_PI_2 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: None, coefficient: FRAC_PI_2 }] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(4, BranchWord::Elbow, 2), BranchBit::new(1, BranchWord::Wrist, 4)] },
+        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 0, joint: None, coefficient: FRAC_PI_2 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: None, coefficient: FRAC_PI_2 }], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(2, BranchWord::Elbow, 2)] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -191,10 +191,12 @@ impl UR5e {
     ///           py0 = py - d6 r23
     ///           px0 = px - d6 r13
     ///           (row 3 of the position in frame 1)
+    ///           shoulder + where py0 s1 > -px0 c1, else -
     /// theta5:   c5 = zz1
     ///           zz1 = r13 s1 - r23 c1
     ///           zx1 = r13 c1 + r23 s1
     ///           (row 3 of the z axis in frame 1)
+    ///           wrist + where s5 > 0, else -
     /// theta6:   s5 c6 = xz1
     ///           s5 s6 = -yz1
     ///           xz1 = r11 s1 - r21 c1
@@ -210,6 +212,7 @@ impl UR5e {
     ///           x1 = px0 c1 + py0 s1
     ///           x1_2 = x1 - d5 s234
     ///           (squares of rows 1 and 2 of the position in frame 1)
+    ///           elbow + where 2 a2 a3 s3 > 0, else -
     /// theta4:   (a2 c3 + a3) c4 - a2 s3 s4 = x4
     ///           a2 s3 c4 + (a2 c3 + a3) s4 = z4
     ///           x4 = s234 z0 + c234 x1
@@ -291,6 +294,7 @@ impl UR5e {
     /// ```text
     /// theta1:   py c1 - px s1 = -d4
     ///           (row 3 of the position in frame 1)
+    ///           shoulder + where py s1 > -px c1, else -
     /// theta6:   s1 c6 - c1 s6 = -cyaw
     ///           c1 c6 + s1 s6 = syaw
     ///           (cosine of the yaw; sine of the yaw)
@@ -298,6 +302,7 @@ impl UR5e {
     ///           z0 = pz + d6 - d1
     ///           x1 = px c1 + d5 + py s1
     ///           (squares of rows 1 and 2 of the position in frame 1)
+    ///           elbow + where 2 a2 a3 s3 > 0, else -
     /// theta2:   (a3 c3 + a2) c2 - a3 s3 s2 = x1
     ///           a3 s3 c2 + (a3 c3 + a2) s2 = z0
     ///           (rows 1 and 2 of the position in frame 1)

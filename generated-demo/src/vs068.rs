@@ -5,10 +5,10 @@
 use ::core::f64::consts::{FRAC_PI_2, PI, TAU};
 use ::dh_runtime::nalgebra::Point3;
 use ::dh_runtime::{
-    ConstraintTerm, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics, LengthError,
-    Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet,
-    Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into,
-    jacobian_from_columns, joint_array, track,
+    BranchBit, BranchWord, ConstraintTerm, FULL_POSE, Float, Frame, IkError, Jacobian, Joint,
+    Kinematics, LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed,
+    Servo, SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted,
+    Winding, copy_into, jacobian_from_columns, joint_array, track,
 };
 
 /// Kinematics of the DENSO VS-068: 6 revolute joints.
@@ -119,8 +119,8 @@ impl VS068 {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 2] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
-        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: None, coefficient: -PI }] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(1, BranchWord::Elbow, 2), BranchBit::new(3, BranchWord::Wrist, 4)] },
+        ProblemInfo { name: "tool_down", target: TargetKind::PositionYaw, free: &[], constraints: &[ConstraintTerm { equation: 0, joint: Some(3), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(1), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(2), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: Some(4), coefficient: 1.0 }, ConstraintTerm { equation: 1, joint: None, coefficient: -PI }], branch: &[BranchBit::new(0, BranchWord::Shoulder, 0), BranchBit::new(2, BranchWord::Elbow, 2)] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -201,11 +201,13 @@ impl VS068 {
     ///           py0 = py - tool_z r23
     ///           px0 = px - tool_z r13
     ///           (row 3 of the position in frame 1)
+    ///           shoulder + where py0 s1 > -px0 c1, else -
     /// theta3:   2 a2 d4 s3 = -n1_2
     ///           pz0 = pz - tool_z r33
     ///           n1 = d1 (2 pz0 - d1) - (px0^2 + py0^2 + pz0^2 + a1^2 - d4^2 - a2^2)
     ///           n1_2 = a1 (2 c1 px0 + 2 s1 py0) + n1
     ///           (squared distance of the position from the origin of frame 1)
+    ///           elbow + where 2 a2 d4 c3 < 0, else -
     /// theta2:   (d4 s3 + a2) c2 + d4 c3 s2 = x1
     ///           d4 c3 c2 - (d4 s3 + a2) s2 = z0
     ///           x1 = px0 c1 + py0 s1 - a1
@@ -216,6 +218,7 @@ impl VS068 {
     ///           zx3 = s2 (s3 (r13 c1 + r23 s1) + r33 c3) - c2 (c3 (r13 c1 + r23 s1) - r33 s3)
     ///           zz1 = r23 c1 - r13 s1
     ///           (row 3 of the z axis in frame 3)
+    ///           wrist + where s5 > 0, else -
     /// theta4:   s5 c4 = -zx3
     ///           s5 s4 = zz1
     ///           (rows 1 and 2 of the z axis in frame 3)
@@ -304,6 +307,7 @@ impl VS068 {
     /// ```text
     /// theta1:   py c1 - px s1 = 0
     ///           (row 3 of the position in frame 1)
+    ///           shoulder + where py s1 > -px c1, else -
     /// theta6:   s1 c6 - c1 s6 = -cyaw
     ///           c1 c6 + s1 s6 = syaw
     ///           (cosine of the yaw; sine of the yaw)
@@ -311,6 +315,7 @@ impl VS068 {
     ///           z0 = pz + tool_z - d1
     ///           x1 = px c1 + py s1 - a1
     ///           (squares of rows 1 and 2 of the position in frame 1)
+    ///           elbow + where 2 a2 d4 c3 < 0, else -
     /// theta2:   (d4 s3 + a2) c2 + d4 c3 s2 = x1
     ///           d4 c3 c2 - (d4 s3 + a2) s2 = z0
     ///           (rows 1 and 2 of the position in frame 1)

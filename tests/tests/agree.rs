@@ -17,7 +17,7 @@ fn shipped_tables() {
         let engine = engine::shipped(name).unwrap();
         assert_eq!(engine.dof(), oracle.dof(), "{name}");
         assert_eq!(engine.rows(), oracle.chain().rows.len(), "{name}");
-        let mut runner = TestRunner::new(ProptestConfig::with_cases(200));
+        let mut runner = TestRunner::new(ProptestConfig::with_cases(60));
         let values = prop::collection::vec(-3.2..3.2, oracle.dof());
         runner
             .run(&values, |q| {
@@ -57,7 +57,7 @@ fn limits_and_names_of_shipped_tables() {
 fn random_tables() {
     // A table goes through the whole compiler: PROPTEST_CASES=2000 where there is time.
     let more = std::env::var_os("PROPTEST_CASES").is_some();
-    let config = if more { ProptestConfig::default() } else { ProptestConfig::with_cases(64) };
+    let config = if more { ProptestConfig::default() } else { ProptestConfig::with_cases(40) };
     let mut runner = TestRunner::new(config);
     runner
         .run(&any_arm(), |arm| {
@@ -84,7 +84,7 @@ fn turned_slides() {
 /// Offsets of ten kilometres, whose own last place is 2e-12 m, must not cost the digits that they have.
 #[test]
 fn calibrated_tables() {
-    let mut runner = TestRunner::new(ProptestConfig::with_cases(64));
+    let mut runner = TestRunner::new(ProptestConfig::with_cases(40));
     runner
         .run(&calibrated_arm(), |arm| {
             let oracle = Oracle::read(&arm.text).map_err(TestCaseError::fail)?;

@@ -9,7 +9,7 @@ mod forwards;
 use dh_runtime::{Kinematics, SolutionSet, Target, dh_robot};
 use dh_tests::engine;
 use dh_tests::oracle::Oracle;
-use everything::{computed, met_by};
+use everything::computed;
 use forwards::{compare, tolerance};
 use std::f64::consts::PI;
 
@@ -105,7 +105,7 @@ fn solutions_meet_their_targets() {
         for problem in arm.problems() {
             let mut found = 0;
             for q in joint_values(&oracle, seed) {
-                let target = met_by(problem.target, arm.fk(&q).unwrap());
+                let target = Target::of_frame(problem.target, &arm.fk(&q).unwrap());
                 let mut set = SolutionSet::new();
                 // At the ends of its reach an arm is singular, and says so.
                 if arm.ik_into(problem.name, &target, &mut set).is_err() {

@@ -32,8 +32,55 @@ fn the_nearest_point_of_a_ring_is_on_the_line_to_its_middle() {
 fn limits_are_kept() {
     let arm = engine::interpreter(STOPPED).unwrap();
     let found = arm.nearest_reachable("xy", &Target::Xy([0.1, 0.6]), Some(&[-0.4, 0.0])).unwrap();
-    assert!(found.q()[0] <= 0.5 && found.q()[0] > 0.5 - 1e-9, "{:?}", found.q());
-    assert!(arm.check(found.q()).is_ok());
+    let [q1, q2] = found.q() else { panic!("two joints") };
+    assert!(*q1 <= 0.5 && *q1 > 0.5 - 1e-9 && q2.abs() <= 1e-9, "{q1} {q2}");
+}
+
+#[test]
+fn limits_on_sums_are_kept_too() {
+    let text = "[robot]\nname = \"sum\"\nconvention = \"standard\"\n[[joint]]\na = 0.3\nlimits = [-1.5, 1.5]\n\
+        [[joint]]\na = 0.3\nlimits = [-2.5, 2.5]\n[[limit]]\nof = { J1 = 1, J2 = 1 }\nrange = [0, 0.3]\n\
+        [[ik]]\nname = \"xy\"\ntarget = \"xy\"\n";
+    let arm = engine::interpreter(text).unwrap();
+    for target in [[0.0, 1.2], [0.5, -0.4], [-0.7, 0.1]] {
+        let found = arm.nearest_reachable("xy", &Target::Xy(target), None).unwrap();
+        let [q1, q2] = found.q() else { panic!("two joints") };
+        assert!((0.0..=0.3).contains(&(q1 + q2)) && q1.abs() <= 1.5 && q2.abs() <= 2.5, "{q1} {q2}");
+        // No joint values that are allowed come nearer.
+        let steps = |limit: f64| (-60..=60).map(move |k| limit * f64::from(k) / 60.0);
+        let all = steps(1.5).flat_map(|q1| steps(2.5).map(move |q2| [q1, q2]));
+        for q in all.filter(|q| (0.0..=0.3).contains(&(q[0] + q[1]))) {
+            let [x, y, _] = arm.fk(&q).unwrap().translation;
+            let off = (x - target[0]).hypot(y - target[1]);
+            assert!(off >= found.position_error - 1e-6, "{q:?} is nearer");
+        }
+    }
+}
+
+#[test]
+fn half_a_turn_off_is_as_far_as_can_be() {
+    // A wrist that tilts by 60 degrees at most.
+    let text = "[robot]\nname = \"tilt\"\nconvention = \"standard\"\n[[joint]]\nalpha = \"-pi/2\"\nlimits = [-3, 3]\n\
+        [[joint]]\nalpha = \"pi/2\"\nlimits = [\"-pi/3\", \"pi/3\"]\n[[ik]]\nname = \"dir\"\ntarget = \"direction\"\n";
+    let arm = engine::interpreter(text).unwrap();
+    for direction in [[0.0, 0.0, -1.0], [0.0, 0.001, -1.0]] {
+        let found = arm.nearest_reachable("dir", &Target::Direction(direction), None).unwrap();
+        assert!(
+            (found.rotation_error - 2.0 * PI / 3.0).abs() < 2e-3,
+            "{direction:?}: {}",
+            found.rotation_error
+        );
+    }
+}
+
+#[test]
+fn joints_without_limits_make_no_needless_turns() {
+    let arm = engine::shipped("jaco2").unwrap();
+    let target = Target::Pose(Frame::from_translation([5.0, 0.0, 0.0]));
+    let found = arm.nearest_reachable(FULL_POSE, &target, None).unwrap();
+    for (value, joint) in found.q().iter().zip(arm.joints()) {
+        assert!(joint.limits.is_some() || value.abs() <= PI + 1e-9, "{} {:?}", joint.name, found.q());
+    }
 }
 
 /// The same numbers on every run.

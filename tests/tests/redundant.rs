@@ -267,6 +267,45 @@ fn a_seed_that_is_a_solution_is_returned() {
     });
 }
 
+/// A free joint that stays where it is has one sample, whatever the target.
+#[test]
+fn a_free_joint_may_have_one_value() {
+    let text = dh_robots::table("panda").unwrap().split("[poses]").next().unwrap();
+    let (before, after) = text.split_once("name = \"J7\"").unwrap();
+    let arm = Arm::new(&format!("{before}name = \"J7\"{}", after.replace("[-2.8973, 2.8973]", "[0, 0]")));
+    assert_eq!(arm.engine.joints()[arm.free()].limits, Some(Limits { min: 0.0, max: 0.0 }));
+    let q = [0.3, -0.5, 0.4, -1.9, 0.2, 1.7, 0.0];
+    let target = arm.target(&q);
+    let found = nearest(&arm, &target, &q.map(|q| q + 0.2)).unwrap();
+    assert!(arm.miss(&found, &q) < 1e-9 && found[6] == 0.0, "{found:?}");
+    let Target::Pose(pose) = target else { unreachable!() };
+    let far = Target::Pose(Frame { translation: [2.0; 3], ..pose });
+    assert!(nearest(&arm, &far, &q).is_err());
+}
+
+/// What narrow limits leave lies between the few samples of an arm without a closed form, and far from the seed.
+#[test]
+fn a_far_seed_does_not_hide_what_is_allowed() {
+    let q = [80.78418, 14.907_915, -98.87311, 11.13875, 146.91786, -41.502_877, 126.373_991];
+    let mut text = dh_robots::table("rizon4").unwrap().split("[poses]").next().unwrap().to_owned();
+    for (limits, q) in
+        ["[-165, 165]", "[-135, 135]", "[-175, 175]", "[-112, 159]", "[-175, 175]", "[-85, 265]"]
+            .iter()
+            .zip(q)
+    {
+        // The first that is left: those before it were replaced.
+        text = text.replacen(limits, &format!("[{}, {}]", q - 15.0, q + 15.0), 1);
+    }
+    let (arm, q) = (Arm::new(&text), q.map(f64::to_radians));
+    let seed = [-51.9, 89.7, 72.35, 60.35, -33.36, 36.64, -155.96].map(f64::to_radians);
+    let found = nearest(&arm, &arm.target(&q), &seed).unwrap();
+    assert!(arm.miss(&found, &q) < 1e-9, "{found:?}");
+    for (value, joint) in found.iter().zip(arm.engine.joints()) {
+        let Limits { min, max } = joint.limits.unwrap();
+        assert!(min <= *value && *value <= max, "{} {found:?}", joint.name);
+    }
+}
+
 /// Joints at multiples of a quarter turn, where axes are aligned and the arm is stretched.
 #[test]
 fn singular_poses_have_solutions_and_a_nearest_one() {
@@ -302,7 +341,13 @@ fn intervals_are_where_limits_are_kept() {
                 let mut solutions = None::<dh_core::Solutions<7>>;
                 for found in arm.at(&target, value)?.iter() {
                     let q = <[f64; 7]>::try_from(found.q).unwrap();
-                    let one = dh_core::Solution { q, position_error: 0.0, rotation_error: 0.0, free: None };
+                    let one = dh_core::Solution {
+                        q,
+                        position_error: 0.0,
+                        rotation_error: 0.0,
+                        free: None,
+                        branch: dh_core::Branch::UNKNOWN,
+                    };
                     match &mut solutions {
                         Some(solutions) => solutions.push(one, arm.engine.rules().windings),
                         None => solutions = Some(dh_core::Solutions::one(one)),

@@ -102,6 +102,7 @@ pub(super) fn of_driver(error: &DriverError) -> Refusal {
         Cause::LimitsDiffer { what: OPERATING_MODE, .. } => {
             told.help("--position-mode sets it, where the torque is off")
         }
+        Cause::IdTaken { .. } => told.help("correct the id in the table; a servo's own is set with its maker's tools"),
         Cause::LimitsDiffer { .. } => told.help("set the servo up anew, or write into the table what it is set to"),
         Cause::WrongModel { .. } => told.help("is it this arm's port? Else correct the servo's model in the table"),
         _ => told,

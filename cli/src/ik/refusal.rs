@@ -48,6 +48,14 @@ pub(super) fn of(error: &IkError, model: &Model, problem: Option<&Problem>, func
     }
 }
 
+/// What is computed of the target's finite numbers is not finite.
+pub(super) fn too_far() -> Refusal {
+    Refusal::new(
+        "too_far",
+        "the target is so far away that the squares of its numbers exceed what can be computed",
+    )
+}
+
 /// The nearest target that can be reached, besides.
 pub(super) fn with_nearest(refusal: Refusal, units: Units<'_>, nearest: &Reachable) -> Refusal {
     let Reachable { tool, position_error, rotation_error, .. } = nearest;

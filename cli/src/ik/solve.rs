@@ -21,6 +21,8 @@ pub(crate) struct Answer {
     pub(crate) within_limits: bool,
     /// Row of the joint that the target leaves free.
     pub(crate) free: Option<usize>,
+    /// "elbow +, wrist -"; empty where there is no choice.
+    pub(crate) branch: String,
 }
 
 /// An inverse problem with what does not change from target to target.
@@ -30,10 +32,11 @@ pub(crate) struct Question<'a> {
     name: &'a str,
     kind: TargetKind,
     function: &'a Function,
-    /// What to be near to (rad or m).
+    /// What to be near to (rad or m), and whether it was given.
     near: Vec<f64>,
-    /// Whether `near` was given.
     seeded: bool,
+    /// The same of targets that say nothing of it.
+    usual: (Vec<f64>, bool),
     all: bool,
     /// Joints that the problem leaves to the caller (indices of q).
     left: &'a [usize],
@@ -73,6 +76,7 @@ impl<'a> Question<'a> {
             name,
             kind: info.target,
             function,
+            usual: (near.clone(), seeded),
             near,
             seeded,
             all,
@@ -90,6 +94,18 @@ impl<'a> Question<'a> {
         self.free = match (values, self.left) {
             (None, [_]) => None,
             (values, left) => Some(self.units().some_joints_in_si(left, values.unwrap_or_default())?),
+        };
+        Ok(())
+    }
+
+    /// Takes joint values to be near to, in the table's units; left out, those that the question began with.
+    ///
+    /// # Errors
+    /// Where they are not one a joint, or not finite.
+    pub(crate) fn seek(&mut self, near: Option<&[f64]>) -> Result<(), Refusal> {
+        (self.near, self.seeded) = match near {
+            Some(near) => (self.units().joints_in_si(near)?, true),
+            None => self.usual.clone(),
         };
         Ok(())
     }
@@ -143,6 +159,9 @@ impl<'a> Question<'a> {
 
     /// The same, with the nearest target that can be reached, where it is the target's place or the limits that are at fault.
     pub(crate) fn refusal_near(&self, error: &IkError, target: &Target) -> Refusal {
+        if matches!(error, IkError::NotFinite) && target.numbers().iter().all(|number| number.is_finite()) {
+            return refusal::too_far();
+        }
         let refusal = self.refusal(error);
         let at_fault = matches!(
             error,
@@ -218,10 +237,21 @@ impl<'a> Question<'a> {
             rotation_error: solution.rotation_error,
             within_limits: self.arm.check(solution.q).is_ok(),
             free: solution.free,
+            branch: self.branch(&solution),
         };
         let mut answers: Vec<Answer> = self.set.iter().map(answer).collect();
         self.sort(&mut answers);
         answers
+    }
+
+    /// The branch of a solution in words; one that was walked to is solved for once more.
+    fn branch(&self, solution: &dh_core::SolutionView<'_>) -> String {
+        let Some(info) = self.arm.problems().iter().find(|info| info.name == self.name) else {
+            return String::new();
+        };
+        let own = Some(solution.branch).filter(|branch| branch.is_known());
+        let branch = own.or_else(|| self.arm.branch_of(self.name, solution.q).ok());
+        branch.map_or_else(String::new, |branch| info.named(branch).to_string())
     }
 
     /// Of all solutions, the nearest to the seed first, where there is one.

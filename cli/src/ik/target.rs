@@ -84,11 +84,21 @@ pub(crate) fn fields(line: &[u8], kind: TargetKind) -> Result<Fields, Trouble> {
 /// Where it is neither.
 pub(crate) fn take_free(fields: &mut Fields) -> Result<Option<Vec<f64>>, Trouble> {
     let Some(value) = fields.remove("free") else { return Ok(None) };
-    let numbers = match &value {
-        serde_json::Value::Array(items) => items.iter().map(serde_json::Value::as_f64).collect(),
-        value => value.as_f64().map(|value| vec![value]),
-    };
+    let numbers = value.as_f64().map(|value| vec![value]).or_else(|| numbers(&value));
     numbers.map(Some).ok_or_else(|| Trouble::Form("`free` is not a number or a list of numbers".to_owned()))
+}
+
+/// Takes `near` out of a line: joint values to be near to.
+///
+/// # Errors
+/// Where it is no list of numbers.
+pub(crate) fn take_near(fields: &mut Fields) -> Result<Option<Vec<f64>>, Trouble> {
+    let Some(value) = fields.remove("near") else { return Ok(None) };
+    numbers(&value).map(Some).ok_or_else(|| Trouble::Form("`near` is not a list of numbers".to_owned()))
+}
+
+fn numbers(value: &serde_json::Value) -> Option<Vec<f64>> {
+    value.as_array()?.iter().map(serde_json::Value::as_f64).collect()
 }
 
 /// The target of a kind, from a JSON object.
@@ -104,13 +114,7 @@ pub(crate) fn read(fields: &Fields, kind: TargetKind, units: Units<'_>) -> Resul
             let key = dh_codegen::diagnostic::shortened(key);
             return Err(form(format!("unknown key `{key}`; a target of kind {kind} has {}", keys(kind, ""))));
         };
-        let numbers = match value {
-            serde_json::Value::Array(items) if name != "yaw" => {
-                items.iter().map(serde_json::Value::as_f64).collect::<Option<Vec<f64>>>()
-            }
-            value if name == "yaw" => value.as_f64().map(|yaw| vec![yaw]),
-            _ => None,
-        };
+        let numbers = if name == "yaw" { value.as_f64().map(|yaw| vec![yaw]) } else { numbers(value) };
         let wanted = if name == "yaw" { "a number" } else { "a list of numbers" };
         given.push((name, numbers.ok_or_else(|| form(format!("`{name}` is not {wanted}")))?));
     }

@@ -55,6 +55,8 @@ catalogue! {
         "The lower limit is above the upper one.";
     DUPLICATE_NAME = "duplicate-name",
         "Two joints, problems or servos have the same name, so that it says nothing. Rows without a name are J1, J2, ... by their place.";
+    DUPLICATE_ID = "duplicate-id",
+        "Two servos have the same id, of joints or of [[servo]] entries. On one bus both would do what either is told, and answer at the same time.";
     BAD_NAME = "bad-name",
         "The name becomes part of a Rust function's name (ik_NAME), so it has to be made of letters a-z, A-Z, digits and underscores, and must not begin with a digit.";
     RESERVED_NAME = "reserved-name",

@@ -13,12 +13,13 @@ use crate::table::{Span, Table, Text};
 pub(super) const MOST_ROWS: usize = 32;
 
 /// Facts about whole tables, each checked by itself. Facts about one value are checked where it is converted.
-const FACTS: [fn(&Table, &Model, &mut Diagnostics); 6] = [
+const FACTS: [fn(&Table, &Model, &mut Diagnostics); 7] = [
     something_moves,
     rows_are_few_enough,
     joint_names_differ,
     problem_names_differ,
     servo_names_differ,
+    servos::ids_differ,
     servos_reach_the_limits,
 ];
 

@@ -1,10 +1,11 @@
 //! Servos: from joint variables to what the device is sent.
 
 use super::quantity::Converter;
-use super::{JointKind, NamedServo, Servo};
-use crate::diagnostic::{Diagnostic, catalogue};
-use crate::table::{self, Number};
+use super::{JointKind, Model, NamedServo, Servo};
+use crate::diagnostic::{Diagnostic, Diagnostics, catalogue, shortened};
+use crate::table::{self, Number, Span, Table};
 use core::f64::consts::{PI, TAU};
+use std::collections::HashMap;
 
 /// `servo = {...}` of a joint.
 pub(super) fn of_joint(servo: &table::Servo, kind: JointKind, converter: &mut Converter) -> Servo {
@@ -37,6 +38,38 @@ pub(super) fn outside_the_chain(named: &table::NamedServo, converter: &mut Conve
     let kind = if servo.counts_per_unit.is_some() { JointKind::Prismatic } else { JointKind::Revolute };
     let servo = of_joint(servo, kind, converter);
     NamedServo { name: named.name.value.clone(), servo }
+}
+
+/// Two servos of one id would both do what either is told.
+pub(super) fn ids_differ(table: &Table, model: &Model, diagnostics: &mut Diagnostics) {
+    let joints = model.rows.iter().zip(&table.joints);
+    let joints = joints.map(|(row, joint)| (row.name.as_str(), row.servo.as_ref(), joint.servo.as_ref()));
+    let others = model.servos.iter().zip(&table.servos);
+    let others =
+        others.map(|(named, written)| (named.name.as_str(), Some(&named.servo), Some(&written.servo)));
+    let mut first: HashMap<u32, (&str, Span)> = HashMap::new();
+    for (name, servo, written) in joints.chain(others) {
+        let (Some(id), Some(place)) =
+            (servo.and_then(|servo| servo.id), written.and_then(|written| written.id.as_ref()))
+        else {
+            continue;
+        };
+        if let Some((before, span)) = first.get(&id) {
+            let message = format!(
+                "the servos of `{}` and `{}` have the same id {id}",
+                shortened(before),
+                shortened(name)
+            );
+            diagnostics.push(
+                Diagnostic::error(catalogue::DUPLICATE_ID, message)
+                    .at(place.span(), "the second")
+                    .beside(span.clone(), "the first")
+                    .help("write the number that each has on the bus; a servo's own is set with its maker's tools"),
+            );
+        } else {
+            first.insert(id, (name, place.span()));
+        }
+    }
 }
 
 fn build(servo: &table::Servo, kind: JointKind, counts: Option<f64>, converter: &mut Converter) -> Servo {

@@ -22,7 +22,9 @@ pub use trace::Event;
 
 use super::{Form, Function, FunctionKind, Plan};
 use crate::model::Model;
-use dh_core::{Float, IkError, MAX_JOINTS, Search, Seed, Solutions, Target, Wanted, Winding};
+use dh_core::{
+    Condition, Float, IkError, MAX_JOINTS, Rule, Search, Seed, Solutions, Target, Wanted, Winding,
+};
 use filter::Filter;
 use routine::Routine;
 use run::{Inverse, Registers, Searching};
@@ -146,6 +148,12 @@ impl<'m, S: Float> Program<'m, S> {
         };
         run.run(&mut registers);
         Some(run.search.finish())
+    }
+
+    /// The first condition of a problem of the model that joint values (rad or m) break.
+    pub(crate) fn broken_condition(&self, problem: usize, q: &[S]) -> Option<Rule<S>> {
+        let conditions: Vec<_> = self.filters.get(problem)?.iter().map(|filter| filter.at(q)).collect();
+        Condition::broken(&conditions)
     }
 
     /// The model's windings in the scalar type.

@@ -35,6 +35,7 @@ fn function(kind: FunctionKind, equations: &Equations, joints: usize, constants:
         stages: Vec::new(),
         unknowns: Vec::new(),
         constraints: Vec::new(),
+        branch: Vec::new(),
         agreement: None,
     }
 }

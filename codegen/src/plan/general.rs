@@ -8,7 +8,7 @@ use super::{
 use crate::model::{Model, Problem};
 use crate::symbolic::inverse_kinematics::general::{self, General, GeneralJoint};
 use crate::symbolic::inverse_kinematics::{Linear, Refusal};
-use dh_core::{Chart, Frame};
+use dh_core::{BranchBit, BranchWord, Chart, Frame};
 
 /// The chain of a [`Step::General`], as `dh_core::GeneralArm` takes it.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,6 +87,11 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
     let body = vec![Step::Accept { q: q.collect(), tool: Vec::new(), polish }];
     let unknowns = unknowns(&general);
     let chain = GeneralChain { charts, ..chain };
+    let found = stage.rows.count_ones() as usize;
+    // Joints that only make the chain whole have their part in its determinant.
+    let whole = found == problem.target.rows();
+    let row = stage.rows.trailing_zeros() as usize;
+    let branch = whole.then(|| BranchBit::new(0, BranchWord::Determinant, row)).into_iter().collect();
     let function = Function {
         kind: FunctionKind::Inverse(index),
         values,
@@ -98,6 +103,7 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         stages: vec![stage],
         unknowns,
         constraints: super::constraints::of(model, index),
+        branch,
         agreement: None,
     };
     Ok(Rated { function, badness })
@@ -201,6 +207,7 @@ fn stage(general: &General, chart: Chart) -> Stage {
             named(usize::from(chart.dropped)),
             named(usize::from(chart.dropped)),
         ),
+        plus: None,
         unknown,
     }
 }

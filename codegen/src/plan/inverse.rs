@@ -157,6 +157,7 @@ pub(super) fn function(
     scheduler.leaves_of(derivation.given.len(), &computed);
     let mut steps = std::mem::take(&mut scheduler.steps);
     let stages: Vec<Stage> = derivation.stages.iter().map(stage).collect();
+    let branch = super::branch::bits(model, problem.target, &stages, derivation.from_tip);
     let given = derivation.given.len();
     let unknowns = unknowns::of(&derivation.joints, given, given + stages.len());
     steps.extend(nested(&mut scheduler, derivation, polish, 0));
@@ -171,6 +172,7 @@ pub(super) fn function(
         stages,
         unknowns,
         constraints: super::constraints::of(model, index),
+        branch,
         agreement: None,
     }
 }
@@ -230,5 +232,6 @@ fn stage(stage: &inverse_kinematics::Stage) -> Stage {
         equation: stage.text.clone(),
         definitions: stage.definitions.clone(),
         origin: stage.origin.clone(),
+        plus: stage.plus.clone(),
     }
 }

@@ -5,12 +5,12 @@ mod gains;
 
 use super::eval::{Given, Program};
 use super::schedule::Constants;
-use super::{Function, FunctionKind, Plan, Scalar, Step, ValueId, general, inverse};
+use super::{Function, FunctionKind, GeneralChain, Plan, Scalar, Step, ValueId, general, inverse};
 use crate::model::product;
 use crate::model::{self, JointKind, Model, Problem};
 use crate::symbolic::inverse_kinematics::{self, Derivation};
 use crate::symbolic::redundancy;
-use dh_core::{Frame, IkError, Target, rotation_error};
+use dh_core::{BranchBit, Forms, Frame, IkError, Target, rotation_error};
 
 /// At how many joint vectors the two arms are compared.
 const SAMPLES: usize = 256;
@@ -69,13 +69,16 @@ fn function(
     let mut function = inverse::function(model, index, problem, derivation, true, constants);
     let gains = gains::of(nominal, &function, &constants.values(), deviation)?;
     let nearly = Nearly {
+        joints: joints(model, problem, &unknowns)?,
         unknowns: unknowns.try_into().ok()?,
         gains: gains.concat(),
         deviation,
-        offsets: offsets(&otherwise),
     };
-    // Where a seed matters, the table is solved as it is.
+    // Where a seed matters, the table is solved as it is, and branches are the arm's own.
     function.unknowns = otherwise.unknowns;
+    let after = u8::try_from(function.stages.len()).ok()?;
+    function.branch =
+        otherwise.branch.into_iter().map(|bit| BranchBit { step: bit.step + after, ..bit }).collect();
     let behind = Behind {
         inputs: function.inputs,
         values: function.values.len() - function.inputs,
@@ -144,38 +147,52 @@ pub struct Nearly {
     pub gains: Vec<f64>,
     /// See [`dh_core::Nearly::deviation`].
     pub deviation: f64,
-    /// See [`dh_core::Nearly::chain`].
-    pub offsets: Option<[f64; 6]>,
+    /// See [`dh_core::Exact::joints`].
+    pub joints: Forms,
 }
 
-/// What is added to six joint values for those of the chain; `None` where these are not the same but for that.
-fn offsets(general: &Function) -> Option<[f64; 6]> {
-    let [Step::General { roots, body, .. }] = general.steps.as_slice() else { return None };
-    let [Step::Accept { q, .. }] = body.as_slice() else { return None };
-    let at = |values: [f64; 6]| -> Option<[f64; 6]> {
-        let root = |id: ValueId| Some(values[roots.iter().position(|root| *root == id)?]);
-        let q: Option<Vec<f64>> = q.iter().map(|q| number(q, &root)).collect();
-        q?.try_into().ok()
-    };
-    let from = at([0.0; 6])?;
-    let joints: [f64; 6] = std::array::from_fn(|joint| (joint + 1) as f64);
-    let to = at(joints)?;
-    let alike = from.iter().zip(to).zip(joints).all(|((from, to), joint)| (to - from - joint).abs() < 1e-12);
-    (roots.len() == 6 && alike).then(|| from.map(|q| 0.0 - q))
+impl Nearly {
+    /// As the numeric kernel takes it, with the arm as it is.
+    pub fn of<'a>(&'a self, chain: &'a GeneralChain) -> dh_core::Nearly<'a> {
+        let exact = dh_core::Exact { arm: chain.arm(), joints: self.joints };
+        dh_core::Nearly {
+            unknowns: self.unknowns,
+            gains: &self.gains,
+            deviation: self.deviation,
+            chain: chain.given.is_empty().then_some(exact),
+            mirrored: self.is_mirrored(),
+        }
+    }
+
+    /// See [`dh_core::Nearly::mirrored`].
+    pub fn is_mirrored(&self) -> bool {
+        dh_core::Nearly::is_mirrored(&self.joints)
+    }
 }
 
-fn number(scalar: &Scalar, value: &dyn Fn(ValueId) -> Option<f64>) -> Option<f64> {
-    let of = |x: &Scalar| number(x, value);
-    Some(match scalar {
-        Scalar::Value(id) => value(*id)?,
-        Scalar::Constant(_) => return None,
-        Scalar::Number(value) => *value,
-        Scalar::Neg(x) => -of(x)?,
-        Scalar::Add(x, y) => of(x)? + of(y)?,
-        Scalar::Sub(x, y) => of(x)? - of(y)?,
-        Scalar::Mul(x, y) => of(x)? * of(y)?,
-        Scalar::Div(x, y) => of(x)? / of(y)?,
-    })
+/// The joints that are found as forms in those of the chain: a factor each and a constant.
+fn joints(model: &Model, problem: &Problem, unknowns: &[usize]) -> Option<Forms> {
+    let chain = inverse_kinematics::general::chain(model, problem).ok()?;
+    let found: Vec<usize> = (0..chain.joints.len()).filter(|place| is_found(&chain, *place)).collect();
+    let forms: Option<Vec<[f64; 7]>> = unknowns
+        .iter()
+        .map(|joint| {
+            let q = chain.q.get(*joint)?;
+            let mut form = [0.0; 7];
+            for (place, factor) in &q.terms {
+                // What is given is not known before the arm is asked.
+                let at = found.iter().position(|other| other == place);
+                *form.get_mut(at.unwrap_or(6))? += factor;
+            }
+            form[6] = q.constant;
+            Some(form)
+        })
+        .collect();
+    forms?.try_into().ok()
+}
+
+fn is_found(chain: &inverse_kinematics::general::General, place: usize) -> bool {
+    chain.joints.get(place).is_some_and(|joint| joint.given.is_none())
 }
 
 /// How far apart the tool frames of two arms are at the same joint values (reaches, rad), at most.

@@ -43,6 +43,8 @@ pub struct Derivation {
     pub joints: Vec<Linear>,
     /// The tool frame: r11 r12 r13 px r21 ...
     pub tool: Vec<Expr>,
+    /// Whether it begins at the tip: the base is what is seen.
+    pub from_tip: bool,
 }
 
 impl Derivation {
@@ -82,6 +84,8 @@ pub struct Stage {
     pub definitions: Vec<(String, String)>,
     /// Which rows it comes from.
     pub origin: String,
+    /// Of two roots, what tells the one with the positive square root: "a2 s3 > 0".
+    pub plus: Option<String>,
 }
 
 /// Equations in one unknown x, with known coefficients.
@@ -162,7 +166,8 @@ pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
     let from_base = solve(model, problem, &unknowns, Seen::FromBase);
     match (from_base, problem.target) {
         (Err(Refusal::NoClosedForm), Target::Pose | Target::Rotation) => {
-            solve(model, problem, &unknowns, Seen::FromTool)
+            let from_tip = solve(model, problem, &unknowns, Seen::FromTool)?;
+            Ok(Derivation { from_tip: true, ..from_tip })
         }
         (outcome, _) => outcome,
     }

@@ -161,3 +161,33 @@ impl<'v> Comparison<'v> {
         found.flatten().map(|solution| solution.q.get(..q.len()).unwrap_or_default().to_vec()).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Comparison, Level, Program};
+
+    const TWO: &str = "[robot]\nname = \"two\"\nconvention = \"standard\"\n[[joint]]\na = 0.5\n[[joint]]\na = 0.4\n\
+        [[ik]]\nname = \"xy\"\ntarget = \"xy\"\n";
+
+    #[test]
+    fn what_one_method_lacks_or_has_elsewhere_is_counted() {
+        let output = crate::compile(TWO, Level::Quick).output.unwrap();
+        let program = Program::new(&output.model, &output.plan).unwrap();
+        let comparison = Comparison::new(&output.model, Some(0), &[], &program, Level::Full);
+        let newton = comparison.with_newton().unwrap();
+        assert_eq!((newton.poses, newton.agreed), (8, 8));
+        let windings = program.windings();
+        let changed = |change: fn(&mut Vec<Vec<f64>>)| {
+            let agreement = comparison.at_poses(String::new(), 8, |target, q| {
+                let mut all = comparison.solutions(&program, target, q, &windings);
+                change(&mut all);
+                all
+            });
+            (agreement.poses, agreement.agreed)
+        };
+        assert_eq!(changed(|_| ()), (8, 8));
+        assert_eq!(changed(|all| all.truncate(1)), (8, 0));
+        assert_eq!(changed(|all| all.push(vec![0.1, 0.2])), (8, 0));
+        assert_eq!(changed(|all| all[0][1] += 1e-3), (8, 0));
+    }
+}

@@ -9,6 +9,12 @@ use crate::{Float, Frame};
 /// are known to 1e-8 or so, and so is a Jacobian that vanishes there.
 const SINGULAR: f64 = 1e-6;
 
+/// The same where two solutions may be near to each other.
+const WEAK: f64 = 0.05;
+
+/// How far from each other (rad, reaches) they are looked for.
+const BESIDE: [f64; 6] = [0.02, -0.02, 0.06, -0.06, 0.2, -0.2];
+
 /// How far (rad, reaches) joint values are moved to see whether there is a curve.
 const TRIALS: [f64; 3] = [0.02, 0.05, 0.1];
 
@@ -63,14 +69,23 @@ impl SixJoints<'_> {
     pub(crate) fn is_singular(&self, q: &[f64; JOINTS]) -> bool {
         let mut q = *q;
         self.each_slide(&mut q, |value| value / self.reach);
-        null_space(&pose_and_jacobian(&self.scaled(), &q).1).count > 0
+        null_space(&pose_and_jacobian(&self.scaled(), &q).1, SINGULAR).count > 0
+    }
+
+    /// Places beside a solution, all in reaches, where another one may be that it nearly meets: such solutions lie along a
+    /// direction in which the tip hardly moves.
+    pub(super) fn beside(&self, q: &[f64; JOINTS]) -> impl Iterator<Item = [f64; JOINTS]> + use<> {
+        let (q, weak) = (*q, null_space(&pose_and_jacobian(self, q).1, WEAK));
+        let Directions { list, count } = weak;
+        let ways = list.into_iter().take(count);
+        ways.flat_map(move |way| BESIDE.map(|length| moved(&q, &way, length)))
     }
 
     fn slides(&self, joint: usize) -> bool {
         self.prismatic.get(joint).copied().unwrap_or(false)
     }
 
-    fn each_slide(&self, q: &mut [f64; JOINTS], change: impl Fn(f64) -> f64) {
+    pub(super) fn each_slide(&self, q: &mut [f64; JOINTS], change: impl Fn(f64) -> f64) {
         let slides = q.iter_mut().zip(self.prismatic).filter(|(_, slides)| *slides);
         slides.for_each(|(value, _)| *value = change(*value));
     }
@@ -85,7 +100,7 @@ struct Curve<'a> {
 impl Curve<'_> {
     /// Directions in which the tip stays, to first order.
     fn directions(&self, q: &[f64; JOINTS]) -> Directions {
-        null_space(&pose_and_jacobian(&self.arm, q).1)
+        null_space(&pose_and_jacobian(&self.arm, q).1, SINGULAR)
     }
 
     /// One of them.
@@ -213,8 +228,8 @@ impl Directions {
     }
 }
 
-/// The combinations of columns that are next to nothing, by elimination with the greatest pivot each time.
-fn null_space(columns: &[[f64; 6]; JOINTS]) -> Directions {
+/// The combinations of columns that are no longer than this, by elimination with the greatest pivot each time.
+fn null_space(columns: &[[f64; 6]; JOINTS], least: f64) -> Directions {
     // Column, and the combination of the given ones that it is.
     let mut open: [([f64; 6], [f64; JOINTS]); JOINTS] = [([0.0; 6], [0.0; JOINTS]); JOINTS];
     for (index, (slot, column)) in open.iter_mut().zip(columns).enumerate() {
@@ -233,7 +248,7 @@ fn null_space(columns: &[[f64; 6]; JOINTS]) -> Directions {
             }
         }
         let size = square(&first.0);
-        if size <= SINGULAR * SINGULAR {
+        if size <= least * least {
             directions.push(&first.1);
         } else {
             for (column, combination) in others.iter_mut() {

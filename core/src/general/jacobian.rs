@@ -1,5 +1,6 @@
 //! What Newton's method needs of a chain.
 
+use super::linear::{determinant, solve};
 use super::{JOINTS, SixJoints};
 use crate::Frame;
 use crate::frame::{cross, sub};
@@ -20,6 +21,23 @@ pub(super) fn pose_and_jacobian(arm: &SixJoints<'_>, q: &[f64; JOINTS]) -> (Fram
         *column = [vx, vy, vz, wx, wy, wz];
     }
     (frame, columns)
+}
+
+impl SixJoints<'_> {
+    /// Whether the determinant of the Jacobian is negative at joint values (rad, m). The last `behind` joints stand for what
+    /// a target leaves open. Three of them that turn are any rotation, whichever way their axes go round: that way, which
+    /// changes where two of them are parallel, is taken out.
+    pub(crate) fn is_turned_over(&self, q: &[f64; JOINTS], behind: usize) -> bool {
+        let (_, columns) = pose_and_jacobian(self, q);
+        let mut matrix = columns
+            .map(|[vx, vy, vz, wx, wy, wz]| [vx / self.reach, vy / self.reach, vz / self.reach, wx, wy, wz]);
+        let mut sign = solve(&mut matrix);
+        let [.., a, b, c] = columns.map(|[_, _, _, wx, wy, wz]| [wx, wy, wz]);
+        if behind >= 3 {
+            sign *= determinant(&[a, b, c]);
+        }
+        sign < 0.0
+    }
 }
 
 /// A frame moved along or about its z axis.

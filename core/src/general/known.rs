@@ -21,6 +21,11 @@ impl Known {
         self.len
     }
 
+    /// The solution at this place.
+    pub(super) fn get(&self, place: usize) -> Option<[f64; JOINTS]> {
+        self.list.get(place).filter(|_| place < self.len).copied()
+    }
+
     /// Whether it is new, and there is room for it.
     pub(super) fn insert(&mut self, solution: &[f64; JOINTS]) -> bool {
         let mut known = self.list.iter().take(self.len);

@@ -9,7 +9,7 @@ use super::curve::Curve;
 use super::{Range, Redundancy, SAMPLES};
 use crate::selection::nearest_winding;
 use crate::solutions::travel;
-use crate::{Float, Frame, IkError, Limits, Rules, Solution, Solutions, Target, TargetKind};
+use crate::{Branch, Float, Frame, IkError, Limits, Rules, Solution, Solutions, Target, TargetKind};
 
 /// A stretch of a branch is longer than its tangent says by up to this factor.
 const BENT: f64 = 1.5;
@@ -70,7 +70,7 @@ fn is_of_rules<S>(error: &IkError<S>) -> bool {
 impl<S: Float> Redundancy<'_, S> {
     /// The solution nearest to the seed (rad or m; by [`Solutions::nearest`]'s measure) that limits and rules allow,
     /// whatever the free joint. A seed that is itself a solution is returned as it is. For problems that prescribe the
-    /// whole pose and nothing else.
+    /// whole pose and nothing else. Where the way led along the curve, the branch is not known.
     ///
     /// That none is nearer is proved where the seed is near the curve. Else a curve of solutions that lies between two of
     /// 48 samples of the free joint's range may be missed; without a closed form, of 6, unless these have nothing that is
@@ -106,7 +106,8 @@ impl<S: Float> Redundancy<'_, S> {
         let allowed =
             || self.rules.allow_joints(seed) && self.rules.broken_workspace(position_of(seed)).is_none();
         if hits && allowed() {
-            return Ok(Solution { q: *seed, position_error, rotation_error, free: None });
+            let branch = Branch::UNKNOWN;
+            return Ok(Solution { q: *seed, position_error, rotation_error, free: None, branch });
         }
         let per_reach = if self.reach > S::ZERO { S::ONE / self.reach } else { S::ONE };
         let dof = self.rules.joints.len();
@@ -186,7 +187,8 @@ where
         let mut step = if alone { S::TWO * self.distance() } else { most };
         let first = sample(self, start, step * half);
         // A joint whose limits are one value has no others.
-        if !(range.width() > S::ZERO) {
+        let has_others = range.width() > S::ZERO;
+        if !has_others {
             return;
         }
         if alone && fine && !self.returned {
@@ -324,7 +326,9 @@ where
             if position_error * self.curve.per_reach > tolerance || rotation_error > tolerance {
                 return false;
             }
-            self.best = Some((Solution { q: *q, position_error, rotation_error, free: None }, distance));
+            let branch = Branch::UNKNOWN;
+            let solution = Solution { q: *q, position_error, rotation_error, free: None, branch };
+            self.best = Some((solution, distance));
             self.certain = bottom && self.curve.is_nearest(q, &state, distance);
         }
         true

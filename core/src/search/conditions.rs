@@ -24,6 +24,12 @@ impl<S: Float> Condition<S> {
         Self { form, strict: true }
     }
 
+    /// The first of a problem's conditions that does not hold.
+    pub fn broken(conditions: &[Self]) -> Option<Rule<S>> {
+        let broken = conditions.iter().enumerate().find(|(_, condition)| !condition.holds());
+        broken.map(|(index, condition)| Rule::Where { index, excess: condition.form })
+    }
+
     /// Whether it holds.
     pub fn holds(&self) -> bool {
         if self.strict { self.form < S::ZERO } else { self.form <= S::from_f64(AT_THE_BOUND) }
@@ -39,11 +45,11 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         rotation_error: S,
         conditions: &[Condition<S>],
     ) {
-        let broken = conditions.iter().enumerate().find(|(_, condition)| !condition.holds());
+        let broken = Condition::broken(conditions);
         let tolerance: S = residual_tolerance();
         let hits = position_error <= tolerance * self.reach && rotation_error <= tolerance;
         match broken {
-            Some((index, condition)) if hits => self.refuse(Rule::Where { index, excess: condition.form }),
+            Some(rule) if hits => self.refuse(rule),
             // One that misses its target is dropped whatever the conditions say of it.
             _ => self.accept(q, position_error, rotation_error),
         }

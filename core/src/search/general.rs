@@ -1,6 +1,6 @@
 //! Chains without a closed form: all joints at once.
 
-use super::{Search, bit};
+use super::Search;
 use crate::general::{GeneralArm, JOINTS, SixJoints, same};
 use crate::{Float, Frame, IkError, MAX_SOLUTIONS, Step, Target};
 
@@ -28,11 +28,13 @@ pub struct Candidates<S = f64> {
 struct Candidate<S> {
     q: [S; JOINTS],
     free: Option<usize>,
+    /// The sign of the determinant of the Jacobian, as a branch has it.
+    minus: bool,
 }
 
 impl<S: Float> Candidates<S> {
     const fn none(step: Step) -> Self {
-        let nothing = Candidate { q: [S::ZERO; JOINTS], free: None };
+        let nothing = Candidate { q: [S::ZERO; JOINTS], free: None, minus: false };
         Self { step, list: [nothing; MAX_CANDIDATES], len: 0, next: 0 }
     }
 
@@ -85,19 +87,21 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         };
         // Angles are compared in rad, slides in m.
         let scale = if arm.reach < 1.0 { arm.reach } else { 1.0 };
+        let behind = JOINTS.saturating_sub(step.rows.count_ones() as usize);
         let mut found = Candidates::none(step);
         let outcome = six.solve(&pose, |solution| {
             let crowded = found.len >= MAX_SOLUTIONS && six.is_singular(solution);
             let near = scale * if crowded { SAME_STRETCH } else { SAME };
             if !found.as_slice().iter().any(|other| same(&other.q, solution, six.prismatic, near)) {
-                found.push(Candidate { q: *solution, free: None });
+                found.push(Candidate { q: *solution, free: None, minus: false });
             }
         });
         if outcome.doubted || found.len > MAX_SOLUTIONS {
             found = self.without_curves(&six, &pose, &found, scale);
         }
         for candidate in found.as_slice() {
-            candidates.push(Candidate { q: candidate.q.map(S::from_f64), free: candidate.free });
+            let minus = step.signed && six.is_turned_over(&candidate.q, behind);
+            candidates.push(Candidate { q: candidate.q.map(S::from_f64), free: candidate.free, minus });
         }
         if found.is_empty() {
             let excess = S::from_f64(outcome.miss);
@@ -125,8 +129,11 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let mut list = Candidates::none(found.step);
         for candidate in found.as_slice() {
             let point = six.on_curve(pose, &candidate.q, &wanted, aside);
-            let candidate =
-                point.map_or(*candidate, |point| Candidate { q: point.q, free: Some(point.joint) });
+            let candidate = point.map_or(*candidate, |point| Candidate {
+                q: point.q,
+                free: Some(point.joint),
+                ..*candidate
+            });
             let known = |other: &Candidate<f64>| same(&other.q, &candidate.q, six.prismatic, SAME * scale);
             if !list.as_slice().iter().any(known) {
                 list.push(candidate);
@@ -141,14 +148,15 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let candidate = *candidates.as_slice().get(candidates.next)?;
         candidates.next += 1;
         let step = candidates.step;
-        self.free_steps &= !bit(step);
+        self.free_steps &= !step.bit();
+        self.branch = if candidate.minus { step.bit() } else { 0 };
         // The joints to be found are the step's rows, base to tip; behind them are those that only the chain has.
         let mut rows = (0..u32::BITS).filter(|row| step.rows & (1 << row) != 0);
         let last = rows.clone().next_back();
         let row = candidate.free.and_then(|place| rows.nth(place).or(last));
         if let Some(row) = row {
             self.doubtful = true;
-            self.free_steps |= bit(step);
+            self.free_steps |= step.bit();
             if let Some(slot) = self.free_rows.get_mut(usize::from(step.index)) {
                 *slot = row as u8;
             }

@@ -6,13 +6,15 @@
 //! near a root of each, one after the other. What they may be off by is carried from step to step, and where it comes near
 //! what would make two roots one, or no root of one, poses all around the target are solved as well ([`seek`]).
 
+mod curve;
 mod newton;
 mod seek;
 
 use super::{Roots, Search};
 use crate::frame::{norm, sub};
+use crate::branch::bit_of;
 use crate::{
-    Float, Frame, GeneralArm, IkError, Polished, Solution, Solutions, Step, Winding, rotation_error,
+    Branch, Float, Frame, GeneralArm, IkError, Polished, Solution, Solutions, Step, Winding, rotation_error,
 };
 use seek::Seek;
 
@@ -29,10 +31,23 @@ pub struct Nearly<'a> {
     pub gains: &'a [f64],
     /// How far apart the tool frames of the two are at the same joint values, at most (reaches, rad).
     pub deviation: f64,
-    /// The arm as it is, where all its joints are found: its chain, and what is added to the joint values for those of the
-    /// chain (rad, m).
-    pub chain: Option<(GeneralArm<'a>, [f64; UNKNOWNS])>,
+    /// The arm as it is, where all its joints are found.
+    pub chain: Option<Exact<'a>>,
+    /// Whether the determinants of the Jacobians by these joints and by those of the arm's chain differ in sign.
+    pub mirrored: bool,
 }
+
+/// A nearly special arm as its table has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exact<'a> {
+    /// Its chain.
+    pub arm: GeneralArm<'a>,
+    /// The joints that are found, each as a form in those of the chain (rad, m): six factors and a constant.
+    pub joints: Forms,
+}
+
+/// Forms in six numbers: a factor each and a constant.
+pub type Forms = [[f64; UNKNOWNS + 1]; UNKNOWNS];
 
 /// A search of the arm that a nearly special one was meant to be.
 ///
@@ -50,7 +65,29 @@ pub struct Near<'a, const N: usize, S = f64> {
     begun: bool,
     seek: Option<Seek<N, S>>,
     deviation: f64,
-    chain: Option<(GeneralArm<'a>, [f64; UNKNOWNS])>,
+    chain: Option<Exact<'a>>,
+    labels: Labels<'a, S>,
+}
+
+/// What solutions are labelled with.
+#[derive(Debug, Clone, Copy)]
+struct Labels<'a, S> {
+    windings: &'a [Winding<'a, S>],
+    /// The step that solves the arm as it is: it comes after those of the closed form.
+    step: u8,
+    /// See [`Nearly::mirrored`].
+    mirrored: bool,
+}
+
+impl<S: Float> Labels<'_, S> {
+    /// Joint values that were found, where the determinant of the Jacobian is negative or not.
+    fn solution<const N: usize>(&self, found: &Polished<N, S>, negative: bool) -> Solution<N, S> {
+        let Polished { mut q, position_error, rotation_error } = *found;
+        crate::rules::wrap_all(self.windings, &mut q);
+        let minus = negative != self.mirrored;
+        let branch = if minus { Branch::of_steps(bit_of(self.step)) } else { Branch::PLUS };
+        Solution { q, position_error, rotation_error, free: None, branch }
+    }
 }
 
 /// The most steps that are kept track of.
@@ -70,6 +107,14 @@ const FALSE: f64 = 0.25;
 /// An error (reaches, rad) of so many machine epsilons of the target is none: it comes of rounding in the closed form.
 const MET: f64 = 1e6;
 
+impl Nearly<'_> {
+    /// Whether [`Nearly::mirrored`] holds for joints that are such forms in those of the chain.
+    pub fn is_mirrored(joints: &Forms) -> bool {
+        let mut factors = *joints;
+        crate::general::solve(&mut factors) < 0.0
+    }
+}
+
 impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     /// A new search, see [`Search::new`], for a pose of the tool.
     #[inline]
@@ -85,6 +130,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             seek: None,
             deviation: nearly.deviation,
             chain: nearly.chain,
+            labels: Labels { windings, step: steps(nearly.gains.len()), mirrored: nearly.mirrored },
         }
     }
 
@@ -284,25 +330,18 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             // A false root of a squared equation; of one that nearly is none, nothing is known.
             let most = self.off.iter().fold(S::ZERO, |most, off| if *off > most { *off } else { most });
             self.doubtful |= !above(miss, S::from_f64(MARGIN) * most);
-            self.search.accept(q, position_error, rotation_error);
+            self.search.miss(position_error, rotation_error);
             return;
         }
         let reach = self.search.reach;
         match newton::solve(q, &self.unknowns, target, reach, pose_and_jacobian) {
-            Some(found) => self.add(found),
+            Some((found, negative)) => self.add(&found, negative),
             None => self.doubtful = true,
         }
     }
 
-    fn add(&mut self, found: Polished<N, S>) {
-        let mut q = found.q;
-        crate::rules::wrap_all(self.search.windings, &mut q);
-        let solution = Solution {
-            q,
-            position_error: found.position_error,
-            rotation_error: found.rotation_error,
-            free: None,
-        };
+    fn add(&mut self, found: &Polished<N, S>, negative: bool) {
+        let solution = self.labels.solution(found, negative);
         // Two that have become one: another was lost.
         self.doubtful |= !self.search.solutions.append_new(solution, self.search.windings);
     }
@@ -317,6 +356,15 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
 /// Where the gains of a step begin: step i has i + 1 of them.
 const fn row(index: usize) -> usize {
     index * (index + 1) / 2
+}
+
+/// How many steps have so many gains.
+const fn steps(gains: usize) -> u8 {
+    let mut count = 0;
+    while row(count as usize) < gains {
+        count += 1;
+    }
+    count
 }
 
 /// Whether a number is greater than another; not where one is none.

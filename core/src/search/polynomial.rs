@@ -10,13 +10,18 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         self.solve_linear(step, a * self.unit(step), c, &scale)
     }
 
-    /// The x (m, or rad) with a x² + b x + c = 0: two, or one at the edge of the domain or where a vanishes.
+    /// The x (m, or rad) with a x² + b x + c = 0: two, or one at the edge of the domain or where a vanishes. Of two, that
+    /// with the positive square root, 2 a x + b > 0, comes first.
     ///
     /// The root of greater size is computed without a difference, the other from the product of the two \[Press et al.,
     /// Numerical Recipes, §5.6\]; the discriminant as a product of sum and difference of b/2 and sqrt(a c).
     pub fn quadratic(&mut self, step: Step, a: S, b: S, c: S) -> Roots<S> {
         let scale = self.begin(step);
         self.doubtful = true;
+        let signed = |roots: Roots<S>, plus: bool| {
+            let roots = roots.signed(step.sign_bit());
+            if plus { roots } else { roots.negative() }
+        };
         // In units of the reach: every term has the dimension and the size of the equation then.
         let unit = self.unit(step);
         let (a, half, c) = (a * unit * unit, b * unit / S::TWO, c);
@@ -24,7 +29,8 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             return self.not_finite(step);
         }
         if a.abs() <= scale.vanishing {
-            return self.solve_linear(step, S::TWO * half, -c, &scale);
+            let root = self.solve_linear(step, S::TWO * half, -c, &scale);
+            return signed(root, half > S::ZERO);
         }
         let mean = a.abs().sqrt() * c.abs().sqrt();
         let size = half.abs();
@@ -37,15 +43,17 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             return self.fail_step(step, -inside / scale.size, IkError::Unreachable { step, excess });
         }
         if inside <= S::from_f64(DOUBLE_ROOT) * S::EPSILON * scale.size.max(size * size / a.abs()) {
-            return Roots::value(-half / a * unit);
+            return signed(Roots::value(-half / a * unit), true);
         }
         let root = (inside * a.abs()).sqrt();
         let greater = if half < S::ZERO { size + root } else { -(size + root) };
-        let (first, second) = (greater / a * unit, c / greater * unit);
+        let (far, near) = (greater / a * unit, c / greater * unit);
+        // The far root has the square root's sign of -b.
+        let (first, second) = if half < S::ZERO { (far, near) } else { (near, far) };
         match (first.is_finite(), second.is_finite()) {
-            (true, true) => Roots::values(first, second),
-            (true, false) => Roots::value(first),
-            (false, true) => Roots::value(second),
+            (true, true) => signed(Roots::values(first, second), true),
+            (true, false) => signed(Roots::value(first), true),
+            (false, true) => signed(Roots::value(second), false),
             (false, false) => self.not_finite(step),
         }
     }

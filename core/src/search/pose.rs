@@ -38,7 +38,8 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             let mut q = q;
             crate::rules::wrap_all(self.windings, &mut q);
             self.accepted += 1;
-            self.solutions.append(Solution { q, position_error, rotation_error, free: None });
+            let branch = self.branch();
+            self.solutions.append(Solution { q, position_error, rotation_error, free: None, branch });
         } else {
             self.accept_polished(q, target, position_error, rotation_error, pose_and_jacobian);
         }

@@ -10,15 +10,26 @@ use crate::{Float, Step};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Roots<S = f64> {
     form: Form,
-    /// How many of the two are left; of any value, the first.
+    /// Which are left: [`BOTH`], [`PLUS`], [`MINUS`] or none.
     left: u8,
     first: Root<S>,
     second: Root<S>,
     /// Whether the second one is the first one's negative: then so is its angle.
     opposite: bool,
+    /// The bit that tells the two roots apart in a [`Branch`](crate::Branch); 0 of a step with one.
+    bit: u32,
     /// The angle of the root before.
     angle: S,
 }
+
+/// Two roots, of which that with the positive square root comes first.
+const BOTH: u8 = 0b010;
+
+/// That with the negative one.
+const MINUS: u8 = 0b001;
+
+/// That with the positive one, or a single one.
+const PLUS: u8 = 0b100;
 
 /// One root: a value (m, rad) with 0 beside it, or an angle by its sine and cosine, the form in which equations need it.
 type Root<S> = [S; 2];
@@ -39,39 +50,61 @@ impl<S: Float> Roots<S> {
         first: [S::ZERO; 2],
         second: [S::ZERO; 2],
         opposite: false,
+        bit: 0,
         angle: S::ZERO,
     };
 
     /// One angle by sine and cosine.
     #[inline]
     pub(super) const fn angle(first: [S; 2]) -> Self {
-        Self { left: 1, first, ..Self::NONE }
+        Self { left: PLUS, first, ..Self::NONE }
     }
 
-    /// Two angles by sine and cosine; `opposite` where they differ in the sign of the sine alone.
+    /// Two angles by sine and cosine, the `+` root first; `opposite` where they differ in the sign of the sine alone.
     #[inline]
     pub(super) const fn angles(first: [S; 2], second: [S; 2], opposite: bool) -> Self {
-        Self { left: 2, first, second, opposite, ..Self::NONE }
+        Self { left: BOTH, first, second, opposite, ..Self::NONE }
     }
 
     /// One value (m, rad).
     pub(super) const fn value(value: S) -> Self {
-        Self { form: Form::Values, left: 1, first: [value, S::ZERO], ..Self::NONE }
+        Self { form: Form::Values, left: PLUS, first: [value, S::ZERO], ..Self::NONE }
     }
 
-    /// Two values (m, rad).
+    /// Two values (m, rad), the `+` root first.
     pub(super) const fn values(first: S, second: S) -> Self {
-        Self { form: Form::Values, left: 2, first: [first, S::ZERO], second: [second, S::ZERO], ..Self::NONE }
+        Self {
+            form: Form::Values,
+            left: BOTH,
+            first: [first, S::ZERO],
+            second: [second, S::ZERO],
+            ..Self::NONE
+        }
     }
 
     /// Any value, or one that is not known well; the first is `value`. The search knows the others.
     pub(super) const fn any(step: Step, value: S) -> Self {
-        Self { form: Form::Free(step.index), left: 1, first: [value, S::ZERO], ..Self::NONE }
+        Self { form: Form::Free(step.index), left: PLUS, first: [value, S::ZERO], ..Self::NONE }
+    }
+
+    /// The same of a step whose roots have signs, which this bit stands for; `+` comes first.
+    #[inline]
+    pub(super) const fn signed(self, bit: u32) -> Self {
+        Self { bit, ..self }
+    }
+
+    /// The same of a single one that is the `-` root.
+    pub(super) const fn negative(self) -> Self {
+        Self { left: MINUS, ..self }
     }
 
     /// How many roots there are; any value counts as one.
     pub fn len(&self) -> usize {
-        usize::from(self.left)
+        match self.left {
+            0 => 0,
+            BOTH => 2,
+            _ => 1,
+        }
     }
 
     /// Whether there are none.
@@ -83,8 +116,8 @@ impl<S: Float> Roots<S> {
     /// registers.
     #[inline]
     pub(super) const fn unpacked(self) -> Self {
-        let Self { form, left, first: [a, b], second: [c, d], opposite, angle } = self;
-        Self { form, left, first: [a, b], second: [c, d], opposite, angle }
+        let Self { form, left, first: [a, b], second: [c, d], opposite, bit, angle } = self;
+        Self { form, left, first: [a, b], second: [c, d], opposite, bit, angle }
     }
 
     #[inline]
@@ -92,10 +125,17 @@ impl<S: Float> Roots<S> {
         if self.left == 0 {
             return None;
         }
-        self.left -= 1;
+        // Of both, the other is left.
+        self.left = (self.left >> 1) & MINUS;
         let root = self.first;
         self.first = self.second;
         Some(root)
+    }
+
+    /// A branch that was taken, as it is with the next root.
+    #[inline]
+    const fn branch(&self, taken: u32) -> u32 {
+        if self.left == MINUS { taken | self.bit } else { taken & !self.bit }
     }
 
     /// A root as a value.
@@ -119,8 +159,10 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     #[inline]
     pub fn next(&mut self, roots: &mut Roots<S>) -> Option<S> {
         if let Form::Free(step) = roots.form {
+            self.branch = roots.branch(self.branch);
             return self.next_value(step);
         }
+        self.branch = roots.branch(self.branch);
         let root = roots.take()?;
         Some(roots.value_of(root))
     }
@@ -131,17 +173,20 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     pub fn next_angle(&mut self, roots: &mut Roots<S>) -> Option<(S, S, S)> {
         match roots.form {
             Form::Angles => {
-                let second = roots.left == 1;
+                let second = roots.left == MINUS;
+                self.branch = roots.branch(self.branch);
                 let [sin, cos] = roots.take()?;
                 let angle = if roots.opposite && second { -roots.angle } else { sin.atan2(cos) };
                 roots.angle = angle;
                 Some((angle, sin, cos))
             }
             Form::Values => {
+                self.branch = roots.branch(self.branch);
                 let [angle, _] = roots.take()?;
                 Some(with_sine(angle))
             }
             Form::Free(step) => {
+                self.branch = roots.branch(self.branch);
                 let angle = self.next_value(step)?;
                 Some(with_sine(angle))
             }

@@ -44,9 +44,9 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let square = a * a + b * b;
         let rest = square - c * c;
         if rest > S::from_f64(WELL_INSIDE) * square && square > scale.tolerance * scale.tolerance {
-            return both(a, b, c, rest.sqrt(), S::ONE / square);
+            return both(a, b, c, rest.sqrt(), S::ONE / square).signed(step.sign_bit());
         }
-        self.trig_at_edge(step, [a, b, c], &scale).unpacked()
+        self.trig_at_edge(step, [a, b, c], &scale).unpacked().signed(step.sign_bit())
     }
 
     /// The angles x (rad) with a cos x + b sin x = c, where a² + b² is 1 and c is a coordinate of a unit vector whose
@@ -59,9 +59,9 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         if rest > S::from_f64(CLEAR) * S::EPSILON && off.abs() <= S::from_f64(CONSISTENT) * S::EPSILON {
             // A step of Newton's method for 1 / sqrt(1 + off).
             let unit = S::ONE - off / S::TWO;
-            return both(a, b, c * unit, rest.sqrt() * unit, S::ONE);
+            return both(a, b, c * unit, rest.sqrt() * unit, S::ONE).signed(step.sign_bit());
         }
-        self.trig_at_pole(step, [a, b, c], rest.sqrt(), &scale).unpacked()
+        self.trig_at_pole(step, [a, b, c], rest.sqrt(), &scale).unpacked().signed(step.sign_bit())
     }
 
     /// The angle x (rad) with a1 cos x + b1 sin x = c1 and a2 cos x + b2 sin x = c2.
@@ -88,7 +88,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
                 return Roots::angle([sin * unit, cos * unit]);
             }
         }
-        self.trig_pair_with_care(step, first, second, &scale).unpacked()
+        self.trig_pair_with_care(step, first, second, &scale).unpacked().signed(0)
     }
 
     /// [`Search::trig`] where its fast way doesn't apply.
@@ -226,7 +226,7 @@ fn size<S: Float>(a: S, b: S) -> S {
     (a * a + b * b).sqrt()
 }
 
-/// The angles whose cosine and sine are (a c ∓ b r, b c ± a r) times `factor`.
+/// The angles whose cosine and sine are (a c ∓ b r, b c ± a r) times `factor`, in this order: a sin - b cos is ± r.
 #[inline]
 pub(super) fn both<S: Float>(a: S, b: S, c: S, r: S, factor: S) -> Roots<S> {
     let (along, across) = (a * c * factor, b * c * factor);

@@ -69,8 +69,20 @@ impl Kinematics for Planar {
     }
     fn problems(&self) -> &[ProblemInfo<'_>] {
         &[
-            ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
-            ProblemInfo { name: "plane", target: TargetKind::XyYaw, free: &[], constraints: &[] },
+            ProblemInfo {
+                name: FULL_POSE,
+                target: TargetKind::Pose,
+                free: &[],
+                constraints: &[],
+                branch: &[],
+            },
+            ProblemInfo {
+                name: "plane",
+                target: TargetKind::XyYaw,
+                free: &[],
+                constraints: &[],
+                branch: &[],
+            },
         ]
     }
     fn fk(&self, q: &[f64]) -> Result<Frame, LengthError> {

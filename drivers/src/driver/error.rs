@@ -69,6 +69,13 @@ pub enum Cause {
         /// Greatest value.
         max: f64,
     },
+    /// Another servo of the table has the id already.
+    IdTaken {
+        /// The id.
+        id: u32,
+        /// Whose it is: a joint's name, or that of an attachment.
+        of: String,
+    },
     /// The device is set up for less than the table asks for (device units).
     LimitsDiffer {
         /// What it is that differs.
@@ -142,6 +149,9 @@ impl fmt::Display for Cause {
             }
             Self::OutsideRange { value, min, max } => {
                 write!(f, "{value} is not in {min} to {max}, which the servo takes")
+            }
+            Self::IdTaken { id, of } => {
+                write!(f, "the id {id} is that of {of}: each servo on a bus has its own")
             }
             Self::LimitsDiffer { what, needed, allowed } => {
                 write!(f, "{what} is set to {allowed} in the device, the table needs {needed}")

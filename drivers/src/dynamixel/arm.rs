@@ -339,7 +339,7 @@ impl Driver for Arm {
             }
         }
         self.fault = None;
-        Ok(())
+        self.clear_attached()
     }
 
     fn attachments(&self) -> Vec<Attachment> {

@@ -17,13 +17,15 @@ pub struct Checked {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Origin {
     pace: Pace,
-    /// Where the tool is with all joints at 0, which tells one tool and base from others.
-    tool: Option<Frame>,
+    /// Where flange and tool are with all joints at 0. The flange tells one base from others, and the two together one
+    /// tool from others.
+    places: [Option<Frame>; 2],
 }
 
 impl Origin {
     pub(super) fn of(arm: &dyn Kinematics, pace: Pace) -> Self {
-        Self { pace, tool: arm.fk(&vec![0.0; arm.dof()]).ok() }
+        let zero = vec![0.0; arm.dof()];
+        Self { pace, places: [arm.fk_flange(&zero).ok(), arm.fk(&zero).ok()] }
     }
 }
 

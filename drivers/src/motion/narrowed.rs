@@ -2,7 +2,8 @@
 
 use crate::driver::DeviceJoint;
 use dh_runtime::{
-    Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rules, Seed, SolutionSet, Target,
+    Frame, IkError, Joint, Kinematics, LengthError, ProblemInfo, Redundancy, Rule, Rules, Seed, SolutionSet,
+    Target,
 };
 
 /// The same arm with other limits of its joints: those of the table and what its device leaves of them. Inverse
@@ -66,6 +67,9 @@ impl Kinematics for Narrowed<'_> {
         out: &mut SolutionSet,
     ) -> Result<(), IkError> {
         self.arm.ik_seeded_into(problem, target, free, seed, out)
+    }
+    fn broken_condition(&self, problem: &str, q: &[f64]) -> Option<Rule> {
+        self.arm.broken_condition(problem, q)
     }
     fn redundancy(&self, problem: &str) -> Option<Redundancy<'_>> {
         self.arm.redundancy(problem).map(|redundancy| Redundancy { rules: self.rules(), ..redundancy })

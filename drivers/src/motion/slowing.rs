@@ -6,6 +6,10 @@ use super::spline::Spline;
 /// The part of acceleration and jerk that is left to what a path's bends need; the rest is for changes of speed.
 const SHARE: f64 = 0.5;
 
+/// Kinks are rounded over no less than this part of the time that the path takes: areas up to a time, which a time that
+/// is lost in the last digits of that of the whole would leave nothing of, are told from each other to nine digits then.
+const LEAST_ROUNDING: f64 = 1e-6;
+
 /// The way along a path by a way that is stretched where the arm is slow: made along it at constant speed, the path is
 /// followed nowhere faster than the joints can. `None` where no place is any slower than the others.
 ///
@@ -26,7 +30,9 @@ pub(super) fn stretched(
     accelerate(&mut squares, places, &limits);
     let speeds: Vec<f64> = squares.into_iter().map(f64::sqrt).collect();
     let build_up = dynamics.iter().map(|limits| limits.acceleration / limits.jerk).fold(0.0, f64::max);
-    let speeds = rounded(&times(places, &speeds), &speeds, build_up);
+    let reached = times(places, &speeds);
+    let least = LEAST_ROUNDING * reached.last().copied().unwrap_or(0.0);
+    let speeds = rounded(&reached, &speeds, build_up.max(least));
     // Made at the speed that was asked for, the stretched way takes as long.
     let knots = times(places, &speeds).into_iter().map(|time| wanted * time).collect();
     Spline::through(knots, places.iter().map(|way| vec![*way]).collect())

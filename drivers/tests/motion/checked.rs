@@ -1,6 +1,6 @@
 //! What the checker lets through and what it refuses, looked at by other means: dense sampling.
 
-use super::{Cell, MyCobot, Planar};
+use super::{Cell, MyCobot, Planar, Sudden};
 use dh_drivers::driver::{JointMap, Pace};
 use dh_drivers::motion::{Checked, Dynamics, Move, Planner, Reason, Refusal, WAY_TOLERANCE};
 use dh_runtime::{Kinematics, Rule, Target};
@@ -373,4 +373,19 @@ fn a_line_past_a_singularity_is_slow_only_there() {
         println!("{distance} m: {:.2} s", checked.duration());
         assert!(checked.duration() < 8.0, "{distance} m: {:.2} s", checked.duration());
     }
+}
+
+/// Joints whose acceleration is there at once go along it no slower.
+#[test]
+fn a_jerk_without_bounds_leaves_the_line_as_fast() {
+    let at = |y: f64| Target::Position([0.005, y, 0.6]);
+    let start = planner(&Cell, every(10)).plan(&[0.0, 2.2, -1.5], &[Move::nearest("position", at(-0.2))]);
+    let start = start.unwrap().goal(0).unwrap().to_vec();
+    let [usual, sudden] = [&Cell as &dyn Kinematics, &Sudden].map(|arm| {
+        let planner = planner(arm, every(10));
+        let checked = planner.plan(&start, &[Move::line("position", at(0.2))]).unwrap();
+        assert_kept(arm, &checked, planner.dynamics());
+        checked.duration()
+    });
+    assert!(sudden < 1.01 * usual, "{sudden:.2} s, and with bounds {usual:.2} s");
 }

@@ -15,10 +15,15 @@ use std::time::Duration;
 
 const TICK: f64 = std::f64::consts::TAU / 4096.0;
 
-type Servos = Arc<Mutex<Faulty<SimulatedBus>>>;
+pub(crate) type Servos = Arc<Mutex<Faulty<SimulatedBus>>>;
 
 /// An arm of simulated servos at these joint values, on a line as good as `faults` lets it be.
-fn servos(arm: &dyn Kinematics, q: &[f64], baud: u32, faults: Faults) -> (Servos, Box<dyn Driver>) {
+pub(crate) fn servos(
+    arm: &dyn Kinematics,
+    q: &[f64],
+    baud: u32,
+    faults: Faults,
+) -> (Servos, Box<dyn Driver>) {
     let map = JointMap::of_table(arm).unwrap();
     let specs = map.joints.iter().zip(q).map(|(joint, q)| ServoSpec {
         id: u8::try_from(joint.id).unwrap(),
@@ -34,7 +39,7 @@ fn servos(arm: &dyn Kinematics, q: &[f64], baud: u32, faults: Faults) -> (Servos
     (device, Box::new(driver))
 }
 
-fn good() -> Faults {
+pub(crate) fn good() -> Faults {
     Faults::default()
 }
 
@@ -150,9 +155,9 @@ fn servos_whose_line_is_pulled_stop_and_go_on_when_it_is_back() {
     assert!(ticks_off(&Planar, &device, &[2.0, -2.0]) <= 2.0);
 }
 
-type Cobot = Arc<Mutex<Faulty<SimulatedMyCobot<'static>>>>;
+pub(crate) type Cobot = Arc<Mutex<Faulty<SimulatedMyCobot<'static>>>>;
 
-fn cobot(model: mycobot::Model, faults: Faults) -> (Cobot, Box<dyn Driver>) {
+pub(crate) fn cobot(model: mycobot::Model, faults: Faults) -> (Cobot, Box<dyn Driver>) {
     let device = SimulatedMyCobot::new(Box::new(MyCobot), model).unwrap();
     let device = Arc::new(Mutex::new(Faulty::new(device, faults, 3)));
     let clock: Arc<dyn Clock> = Arc::new(VirtualClock::new());

@@ -26,3 +26,7 @@ struct Crane;
 
 #[dh_robot("cell.toml", warnings = "off")] // about a servo that is meant to leave less
 struct Cell;
+
+/// The same, with joints that accelerate at once.
+#[dh_robot("sudden.toml", warnings = "off")]
+struct Sudden;

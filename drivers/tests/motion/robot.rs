@@ -179,6 +179,12 @@ fn what_was_checked_for_another_arm_is_not_made() {
         let checked = Planner::new(other, &joints, pace).unwrap().plan(&start, &moves).unwrap();
         assert_eq!(robot.run(&checked, &mut |_| {}), Err(MotionError::OtherArm));
     }
+    // With all joints at 0 a longer tool and a base that stands further on have the tool in the same place.
+    let further = Mounted::new(&Planar).with_base(Frame::from_rpy([0.05, 0.0, 0.0], [0.0; 3]));
+    assert_eq!(Kinematics::fk(&longer, &[0.0; 2]), Kinematics::fk(&further, &[0.0; 2]));
+    let checked = Planner::new(&further, &joints, STREAM).unwrap().plan(&start, &moves).unwrap();
+    let mut longer = Robot::new(&longer, Memory::new(&Planar, STREAM, &[0.0; 2])).unwrap();
+    assert_eq!(longer.run(&checked, &mut |_| {}), Err(MotionError::OtherArm));
     assert!(arm.lock().unwrap().sent.is_empty());
     let own = Planner::new(&Planar, &joints, STREAM).unwrap().plan(&start, &moves).unwrap();
     robot.run(&own, &mut |_| {}).unwrap();

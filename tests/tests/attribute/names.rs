@@ -27,7 +27,7 @@ fn names_do_not_meet() {
     assert_eq!(Frame::NAME, "*/ \"Arm\" \\ {x} | `y` [z] <b>");
     assert_eq!(Frame::JOINTS.map(|joint| joint.name), ["t1", "\"q\" | \\", "関節"]);
     assert_eq!(A2.fk(&[0.0; 3]), Frame.fk(&[0.0; 3]));
-    for solution in A2.ik_all_type(&dh_runtime::Point2::new(0.6, 0.1)).unwrap().iter() {
+    for solution in &A2.ik_all_type(&dh_runtime::Point2::new(0.6, 0.1)).unwrap() {
         let tool = A2.fk(&solution.q).translation;
         assert!((tool.x - 0.6).abs() < 1e-12 && (tool.y - 0.1).abs() < 1e-12);
     }

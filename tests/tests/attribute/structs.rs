@@ -27,6 +27,7 @@ where
 type Result = std::result::Result<(), Box<dyn std::error::Error>>;
 
 #[test]
+#[allow(clippy::items_after_statements, reason = "there, too, it can stand")]
 fn structs_of_all_kinds() -> Result {
     let pose = Plain.fk(&[0.1, 0.2]);
     assert!(pose.translation.vector.norm() > 0.0);

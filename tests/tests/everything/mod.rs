@@ -1,25 +1,6 @@
 //! Everything that an arm computes, as text that two engines can be compared by.
 
-use dh_runtime::{Float, Frame, Kinematics, SolutionSet, Target, TargetKind};
-
-/// A target of a kind, as the tool frame meets it.
-pub(crate) fn met_by<S: Float>(kind: TargetKind, tool: Frame<S>) -> Target<S> {
-    let ([x, y, _], position) = (tool.translation, tool.translation);
-    let ([cos, sin, _], direction) = (tool.x_axis(), tool.z_axis());
-    let yaw = sin.atan2(cos);
-    match kind {
-        TargetKind::Pose => Target::Pose(tool),
-        TargetKind::Position => Target::Position(position),
-        TargetKind::PositionDirection => Target::PositionDirection { position, direction },
-        TargetKind::PositionYaw => Target::PositionYaw { position, yaw },
-        TargetKind::Rotation => Target::Rotation(tool.rotation),
-        TargetKind::Direction => Target::Direction(direction),
-        TargetKind::Ray => Target::Ray { position, direction },
-        TargetKind::Lookat => Target::Lookat(position),
-        TargetKind::Xy => Target::Xy([x, y]),
-        TargetKind::XyYaw => Target::XyYaw { position: [x, y], yaw },
-    }
-}
+use dh_runtime::{Float, Frame, Kinematics, SolutionSet, Target};
 
 /// All that an arm computes at a pose, its problems for where a tool frame is. Debug text tells every two floats apart that differ in a bit.
 pub(crate) fn computed<S: Float>(arm: &dyn Kinematics<S>, q: &[S], tool: Frame<S>) -> String {
@@ -32,7 +13,7 @@ pub(crate) fn computed<S: Float>(arm: &dyn Kinematics<S>, q: &[S], tool: Frame<S
         format!("{:?}", arm.check(q).map_err(|violations| violations.to_string())),
     ];
     for problem in arm.problems() {
-        let target = met_by(problem.target, tool);
+        let target = Target::of_frame(problem.target, &tool);
         let mut set = SolutionSet::new();
         for result in [
             arm.ik_into(problem.name, &target, &mut set),

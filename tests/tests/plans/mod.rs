@@ -76,6 +76,7 @@ pub(crate) fn every_target() -> (Model, Plan) {
             stages: Vec::new(),
             unknowns: Vec::new(),
             constraints: Vec::new(),
+            branch: Vec::new(),
             agreement: None,
         });
     };
@@ -143,6 +144,7 @@ fn planar_inverse(problem: usize, a1: &Scalar, a2: &Scalar) -> Function {
         ],
         unknowns: Vec::new(),
         constraints: Vec::new(),
+        branch: Vec::new(),
         agreement: None,
     }
 }
@@ -185,6 +187,7 @@ fn polar_inverse(a2: Scalar) -> Function {
         ],
         unknowns: Vec::new(),
         constraints: Vec::new(),
+        branch: Vec::new(),
         agreement: None,
     }
 }
@@ -272,6 +275,7 @@ fn stage(rows: u32, unknown: &str, measure: Measure, equation: &str, origin: &st
         equation: equation.to_owned(),
         definitions: Vec::new(),
         origin: origin.to_owned(),
+        plus: None,
     }
 }
 

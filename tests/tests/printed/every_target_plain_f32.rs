@@ -83,17 +83,17 @@ impl EveryTarget {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 11] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
-        ProblemInfo { name: "position", target: TargetKind::Position, free: &[], constraints: &[] },
-        ProblemInfo { name: "position_direction", target: TargetKind::PositionDirection, free: &[], constraints: &[] },
-        ProblemInfo { name: "position_yaw", target: TargetKind::PositionYaw, free: &[], constraints: &[] },
-        ProblemInfo { name: "rotation", target: TargetKind::Rotation, free: &[], constraints: &[] },
-        ProblemInfo { name: "direction", target: TargetKind::Direction, free: &[], constraints: &[] },
-        ProblemInfo { name: "ray", target: TargetKind::Ray, free: &[], constraints: &[] },
-        ProblemInfo { name: "lookat", target: TargetKind::Lookat, free: &[], constraints: &[] },
-        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[], constraints: &[] },
-        ProblemInfo { name: "xy_yaw", target: TargetKind::XyYaw, free: &[], constraints: &[] },
-        ProblemInfo { name: "given", target: TargetKind::Xy, free: &[1], constraints: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "position", target: TargetKind::Position, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "position_direction", target: TargetKind::PositionDirection, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "position_yaw", target: TargetKind::PositionYaw, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "rotation", target: TargetKind::Rotation, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "direction", target: TargetKind::Direction, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "ray", target: TargetKind::Ray, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "lookat", target: TargetKind::Lookat, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "xy_yaw", target: TargetKind::XyYaw, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "given", target: TargetKind::Xy, free: &[1], constraints: &[], branch: &[] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`

@@ -6,7 +6,7 @@ use ::core::f64::consts::TAU;
 use ::dh_runtime::nalgebra::Point2;
 use ::dh_runtime::{
     Axis, Bound, Condition, FULL_POSE, Float, Frame, IkError, Jacobian, Joint, Kinematics,
-    LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rules, Search, Seed, Servo,
+    LengthError, Measure, Mounted, NamedPose, Pose, ProblemInfo, Rule, Rules, Search, Seed, Servo,
     SolutionSet, Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted, Winding,
     copy_into, jacobian_from_columns, joint_array, track,
 };
@@ -100,9 +100,9 @@ impl Planar2R {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
-        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[], constraints: &[] },
-        ProblemInfo { name: "elbow_up", target: TargetKind::Xy, free: &[], constraints: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "elbow_up", target: TargetKind::Xy, free: &[], constraints: &[], branch: &[] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -620,5 +620,17 @@ impl Kinematics for Planar2R {
         };
         out.fill(Self::DOF, &solutions);
         Ok(())
+    }
+
+    fn broken_condition(&self, problem: &str, q: &[f64]) -> Option<Rule> {
+        let q: &[f64; 2] = joint_array(q).ok()?;
+        match problem {
+            "elbow_up" => {
+                // where theta2 <= 0
+                let conditions = [Condition::at_most_zero(Float::wrap_angle(q[1]))];
+                Condition::broken(&conditions)
+            }
+            _ => None,
+        }
     }
 }

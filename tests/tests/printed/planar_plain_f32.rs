@@ -5,9 +5,9 @@
 use ::core::f32::consts::TAU;
 use ::dh_runtime::{
     Axis, Bound, Condition, FULL_POSE, Float, Frame, IkError, Joint, Kinematics, LengthError,
-    Measure, Mounted, NamedPose, ProblemInfo, Rules, Search, Seed, Servo, SolutionSet, Solutions,
-    Step, Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into, joint_array,
-    track,
+    Measure, Mounted, NamedPose, ProblemInfo, Rule, Rules, Search, Seed, Servo, SolutionSet,
+    Solutions, Step, Target, TargetKind, TrackError, Violations, Wanted, Winding, copy_into,
+    joint_array, track,
 };
 
 /// Kinematics of the None \[of them\] Planar 2R: 2 revolute joints.
@@ -99,9 +99,9 @@ impl Planar2R {
     /// The inverse problems that are solved.
     #[rustfmt::skip]
     pub const PROBLEMS: [ProblemInfo<'static>; 3] = [
-        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[] },
-        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[], constraints: &[] },
-        ProblemInfo { name: "elbow_up", target: TargetKind::Xy, free: &[], constraints: &[] },
+        ProblemInfo { name: FULL_POSE, target: TargetKind::Pose, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "xy", target: TargetKind::Xy, free: &[], constraints: &[], branch: &[] },
+        ProblemInfo { name: "elbow_up", target: TargetKind::Xy, free: &[], constraints: &[], branch: &[] },
     ];
 
     /// Forward kinematics: the pose of the tool frame in the base frame (m) at joint values `q`
@@ -636,5 +636,17 @@ impl Kinematics<f32> for Planar2R {
         };
         out.fill(Self::DOF, &solutions);
         Ok(())
+    }
+
+    fn broken_condition(&self, problem: &str, q: &[f32]) -> Option<Rule<f32>> {
+        let q: &[f32; 2] = joint_array(q).ok()?;
+        match problem {
+            "elbow_up" => {
+                // where theta2 <= 0
+                let conditions = [Condition::at_most_zero(Float::wrap_angle(q[1]))];
+                Condition::broken(&conditions)
+            }
+            _ => None,
+        }
     }
 }

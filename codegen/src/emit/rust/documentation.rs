@@ -55,14 +55,15 @@ pub(super) fn operations(counts: Counts) -> String {
 /// The solving steps of an inverse function, as lines that are not prose.
 pub(super) fn stages(function: &Function) -> Option<String> {
     let mut lines = vec!["```text".to_owned()];
-    for stage in &function.stages {
+    for (index, stage) in function.stages.iter().enumerate() {
+        let sign = function.sign(index).map_or_else(Vec::new, |sign| wrapped(&clean(&sign), EQUATION_WIDTH));
         let equation: Vec<_> =
             stage.equation.split("; ").flat_map(|row| wrapped(&clean(row), EQUATION_WIDTH)).collect();
         let origin = wrapped(&format!("({})", clean(&stage.origin)), EQUATION_WIDTH);
         let definition =
             |(name, value): &(String, String)| wrapped(&clean(&format!("{name} = {value}")), EQUATION_WIDTH);
         let definitions: Vec<_> = stage.definitions.iter().flat_map(definition).collect();
-        for (i, line) in equation.iter().chain(&definitions).chain(&origin).enumerate() {
+        for (i, line) in equation.iter().chain(&definitions).chain(&origin).chain(&sign).enumerate() {
             let head = if i == 0 { format!("{}:", stage.unknown) } else { String::new() };
             lines.push(format!("{head:<9} {line}"));
         }

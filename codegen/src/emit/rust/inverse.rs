@@ -36,7 +36,8 @@ impl<'a> Printer<'a> {
         let body = self.body(function, &locals);
         let mut lines = Text::indented(1);
         for (index, (stage, name)) in function.stages.iter().zip(&locals.stages).enumerate() {
-            lines.line(self.stage(index, stage, name));
+            let unsigned = if function.is_unsigned(index) { ".unsigned()" } else { "" };
+            lines.line(self.stage(index, stage, name, unsigned));
         }
         self.arms(&mut lines, &function.steps, &locals);
         lines.gap();
@@ -108,7 +109,7 @@ impl<'a> Printer<'a> {
     }
 
     /// The description of a stage, for errors.
-    fn stage(&self, index: usize, stage: &Stage, name: &str) -> String {
+    fn stage(&self, index: usize, stage: &Stage, name: &str, unsigned: &str) -> String {
         let step = self.paths.runtime("Step");
         let measure = match stage.measure {
             Measure::Ratio => "Ratio",
@@ -120,7 +121,7 @@ impl<'a> Printer<'a> {
         let prismatic = (0..32).any(|row| stage.rows & (1 << row) != 0 && slides(row));
         let measure = format!("{}::{measure}", self.paths.runtime("Measure"));
         let rows = number::grouped(&format!("{:b}", stage.rows), 4);
-        format!("const {name}: {step} = {step}::new({index}, 0b{rows}, {prismatic}, {measure});")
+        format!("const {name}: {step} = {step}::new({index}, 0b{rows}, {prismatic}, {measure}){unsigned};")
     }
 
     /// What some steps need to know of the arm.
@@ -129,7 +130,7 @@ impl<'a> Printer<'a> {
             match step {
                 Step::General { chain, .. } => self.chain(text, &locals.chain, chain),
                 Step::Near { nearly, otherwise, .. } => {
-                    self.nearly(text, locals, nearly);
+                    self.nearly(text, locals, nearly, otherwise);
                     self.arms(text, otherwise, locals);
                 }
                 _ => {}
@@ -138,7 +139,7 @@ impl<'a> Printer<'a> {
     }
 
     /// What a nearly special arm is to the one that was meant.
-    fn nearly(&self, text: &mut Text, locals: &Locals, nearly: &Nearly) {
+    fn nearly(&self, text: &mut Text, locals: &Locals, nearly: &Nearly, otherwise: &[Step]) {
         let (name, chain) = (&locals.nearly, &locals.chain);
         let ty = self.paths.runtime("Nearly");
         text.line("#[rustfmt::skip]");
@@ -157,16 +158,26 @@ impl<'a> Printer<'a> {
         text.line("    ],");
         let deviation = number(nearly.deviation, super::ScalarType::F64, &self.paths);
         text.line(format!("    deviation: {deviation},"));
+        text.line(format!("    mirrored: {},", nearly.is_mirrored()));
         let [some, none] = ["Some", "None"].map(|name| self.paths.prelude(name));
-        let offset = |x: &f64| {
-            let size = number(x.abs(), super::ScalarType::F64, &self.paths);
-            if *x < 0.0 { format!("-{size}") } else { size }
-        };
-        let chain = nearly.offsets.as_ref().map_or(none, |offsets| {
-            let offsets: Vec<_> = offsets.iter().map(offset).collect();
-            format!("{some}(({chain}, [{}]))", offsets.join(", "))
-        });
-        text.line(format!("    chain: {chain},"));
+        let given = otherwise.iter().any(|step| matches!(step, Step::General { given, .. } if !given.is_empty()));
+        if given {
+            text.line(format!("    chain: {none},"));
+        } else {
+            text.line(format!("    chain: {some}({} {{", self.paths.runtime("Exact")));
+            text.line(format!("        arm: {chain},"));
+            text.line("        // Each joint as a form in those of the chain: six factors and a constant.");
+            text.line("        joints: [");
+            for form in &nearly.joints {
+                let form = form.iter().map(|x| {
+                    let size = number(x.abs(), super::ScalarType::F64, &self.paths);
+                    if *x < 0.0 { format!("-{size}") } else { size }
+                });
+                text.line(format!("            [{}],", form.collect::<Vec<_>>().join(", ")));
+            }
+            text.line("        ],");
+            text.line("    }),");
+        }
         text.line("};");
     }
 
@@ -236,12 +247,50 @@ impl<'a> Printer<'a> {
             text.line("search.accept(q, position_error, rotation_error);");
             return;
         }
+        self.conditions(text, filters);
+        text.line("search.accept_where(q, position_error, rotation_error, &conditions);");
+    }
+
+    /// `let conditions = ...`, of joint values `q`.
+    fn conditions(&self, text: &mut Text, filters: &[Filter]) {
         for filter in filters {
             text.paragraph("//", &format!("where {}", filter.form.text));
         }
         let filters = Expression::Array(filters.iter().map(|filter| self.condition(filter)).collect());
         text.laid_out(&statement(text.indent(), "let conditions =", &filters, ";"));
-        text.line("search.accept_where(q, position_error, rotation_error, &conditions);");
+    }
+
+    /// `broken_condition`, where a problem has conditions.
+    pub(super) fn broken_condition(&self, text: &mut Text) {
+        let problems = self.inverse_functions().filter_map(|(_, problem)| problem);
+        let mut problems = problems.filter(|problem| !problem.filters.is_empty()).peekable();
+        if problems.peek().is_none() {
+            return;
+        }
+        let (option, none) = (self.paths.prelude("Option"), self.paths.prelude("None"));
+        let parameters = ["&self".to_owned(), "problem: &str".to_owned(), format!("q: &[{}]", self.scalar())];
+        text.gap();
+        text.signature(
+            "fn broken_condition",
+            &parameters,
+            &format!("{option}<{}>", self.runtime_type("Rule")),
+        );
+        let joint_array = self.paths.runtime("joint_array");
+        text.line(format!(
+            "let q: &[{}; {}] = {joint_array}(q).ok()?;",
+            self.scalar(),
+            self.model.joints.len()
+        ));
+        text.open("match problem {");
+        for problem in problems {
+            text.open(format!("{:?} => {{", problem.name));
+            self.conditions(text, &problem.filters);
+            text.line(format!("{}::broken(&conditions)", self.paths.runtime("Condition")));
+            text.close("}");
+        }
+        text.line(format!("_ => {none},"));
+        text.close("}");
+        text.close("}");
     }
 
     /// The left-hand side of an inequality at `q`, every angle in (-pi, pi].

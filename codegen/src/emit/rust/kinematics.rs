@@ -53,6 +53,7 @@ impl Printer<'_> {
             &format!("{copy_into}(&geometric_jacobian({joint_array}(q)?), out).map(|_| ())"),
         );
         self.ik_into(text);
+        self.broken_condition(text);
         self.redundant_kinematics(text);
         text.close("}");
     }

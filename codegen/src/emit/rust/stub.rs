@@ -144,6 +144,7 @@ fn hollow_plan(model: &Model) -> Plan {
         stages: Vec::new(),
         unknowns: Vec::new(),
         constraints: Vec::new(),
+        branch: Vec::new(),
         agreement: None,
     };
     let forward = [

@@ -142,10 +142,17 @@ impl Printer<'_> {
                     format!("{ty} {{ equation: {equation}, joint: {joint}, coefficient: {coefficient} }}")
                 });
                 let constraints: Vec<_> = constraints.collect();
+                let branch = function.branch.iter().map(|bit| {
+                    let (ty, word) = (self.paths.runtime("BranchBit"), self.paths.runtime("BranchWord"));
+                    format!("{ty}::new({}, {word}::{:?}, {})", bit.step, bit.word, bit.row)
+                });
+                let branch: Vec<_> = branch.collect();
                 format!(
-                    "{info} {{ name: {name}, target: {kind}::{target:?}, free: &[{}], constraints: &[{}] }}",
+                    "{info} {{ name: {name}, target: {kind}::{target:?}, free: &[{}], constraints: &[{}], \
+                     branch: &[{}] }}",
                     free.join(", "),
-                    constraints.join(", ")
+                    constraints.join(", "),
+                    branch.join(", ")
                 )
             });
             list(problems, "[", "]")

@@ -123,6 +123,7 @@ impl Derivation<'_, '_, '_> {
                         self.text.line(2, &format!("({})", stage.origin));
                         self.text
                             .line(2, "up to 16 solutions; each is brought to the pose by Newton's method");
+                        self.text.lines(2, self.function.sign(0).as_slice());
                     }
                     self.steps(body);
                 }
@@ -173,6 +174,10 @@ impl Derivation<'_, '_, '_> {
         self.text.line(2, &format!("({})", stage.origin));
         self.text.lines(2, &solution.roots);
         self.text.lines(2, &solution.remarks);
+        let bit = self.function.branch.iter().find(|bit| usize::from(bit.step) == index);
+        if let (Some(bit), Some(plus)) = (bit, solution.plus) {
+            self.text.line(2, &format!("{bit} + where {plus}, else -"));
+        }
     }
 
     fn joints(&mut self, q: &[Scalar]) {

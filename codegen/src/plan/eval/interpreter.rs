@@ -8,7 +8,7 @@ use crate::model::Problem;
 use crate::plan::{Function, FunctionKind};
 use dh_core::{
     Bound, FULL_POSE, Float, Frame, IkError, Joint, KeepOut, Kinematics, LengthError, ProblemInfo,
-    Redundancy, Rules, Seed, SolutionSet, SumLimit, Target, TargetKind, Winding,
+    Redundancy, Rule, Rules, Seed, SolutionSet, SumLimit, Target, TargetKind, Winding,
 };
 
 /// An arm of a table read at run time: [`Kinematics`] by running a [`Program`], and traces of such runs.
@@ -59,12 +59,14 @@ impl<'p, S: Float> Interpreter<'p, S> {
                     target: robot::target_kind(problem.target),
                     free: &function.free,
                     constraints: &function.constraints,
+                    branch: &function.branch,
                 },
                 None => ProblemInfo {
                     name: FULL_POSE,
                     target: TargetKind::Pose,
                     free: &function.free,
                     constraints: &function.constraints,
+                    branch: &function.branch,
                 },
             });
             indices.push(index);
@@ -211,6 +213,11 @@ impl<S: Float> Kinematics<S> for Interpreter<'_, S> {
         out: &mut SolutionSet<S>,
     ) -> Result<(), IkError<S>> {
         self.trace_ik(problem, target, free, seed, out, |_| ())
+    }
+
+    fn broken_condition(&self, problem: &str, q: &[S]) -> Option<Rule<S>> {
+        let place = self.problems.iter().position(|info| info.name == problem)?;
+        self.program.broken_condition((*self.indices.get(place)?)?, q)
     }
 
     fn redundancy(&self, problem: &str) -> Option<Redundancy<'_, S>> {

@@ -182,7 +182,8 @@ fn stages(model: &Model, function: &Function) -> Result<Vec<dh_core::Step>, Plan
         let first = model.rows.get(stage.rows.trailing_zeros() as usize);
         let prismatic = first.is_some_and(|row| row.kind == JointKind::Prismatic);
         let index = u8::try_from(index).map_err(|_| PlanError::Stage { index })?;
-        Ok(dh_core::Step { index, rows: stage.rows, prismatic, measure })
+        let step = dh_core::Step::new(index, stage.rows, prismatic, measure);
+        Ok(if function.is_unsigned(usize::from(index)) { step.unsigned() } else { step })
     };
     function.stages.iter().enumerate().map(step).collect()
 }

@@ -5,7 +5,7 @@ use super::routine::{self, General, Instruction, Kernel, Register, Routine, Solv
 use super::trace::Event;
 use crate::plan::Function;
 use dh_core::{
-    Candidates, Condition, Float, Frame, IkError, MAX_JOINTS, Near, Nearly, Roots, Search, Solutions, Target,
+    Candidates, Condition, Float, Frame, IkError, MAX_JOINTS, Near, Roots, Search, Solutions, Target,
     Wanted, Winding, residual_tolerance,
 };
 
@@ -253,12 +253,12 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
 
     fn near(&mut self, near: &'r routine::Near, registers: &mut Registers<S>) {
         let Target::Pose(target) = self.target else { return };
-        let crate::plan::Nearly { unknowns, gains, deviation, offsets } = &near.nearly;
         let chain = near.otherwise.iter().find_map(|instruction| match instruction {
-            Instruction::General(general) => Some(general.chain.arm()),
+            Instruction::General(general) => Some(&general.chain),
             _ => None,
         });
-        let nearly = Nearly { unknowns: *unknowns, gains, deviation: *deviation, chain: chain.zip(*offsets) };
+        let Some(chain) = chain else { return };
+        let nearly = near.nearly.of(chain);
         self.search = Searching::Near(Near::new(self.reach, self.windings, &nearly, target));
         while let Searching::Near(search) = &mut self.search
             && let Some(asked) = search.next_pose()

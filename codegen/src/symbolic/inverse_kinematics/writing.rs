@@ -48,7 +48,7 @@ pub(super) fn write(
     let rows: Vec<Linear> = unknowns.rows.iter().map(|form| linear(form, &free)).collect();
     let mut arena = writer.arena;
     let tool = tool::entries(&mut arena, model, unknowns, &rows, &stages);
-    Derivation { arena, inputs, given, stages, joints, tool }
+    Derivation { arena, inputs, given, stages, joints, tool, from_tip: false }
 }
 
 struct Writer<'a> {
@@ -82,6 +82,7 @@ impl Writer<'_> {
             let root = AngleForm { terms: vec![(self.given() + index, 1.0)], turn: Turn::ZERO };
             self.arena.sin_cos(name.strip_prefix("theta").unwrap_or(&name), &root);
         }
+        let plus = self.plus(&equation, &name);
         let (text, mut definitions) = self.text(&equation, &name);
         definitions.retain(|(name, _)| self.defined.insert(name.clone()));
         Stage {
@@ -94,6 +95,7 @@ impl Writer<'_> {
             text,
             definitions,
             origin: found.origin.to_string(),
+            plus,
         }
     }
 
@@ -152,6 +154,28 @@ impl Writer<'_> {
             }
         };
         (written, text::definitions(arena, &equation.coefficients()))
+    }
+
+    /// Which of two roots has the positive square root.
+    fn plus(&self, equation: &StageEquation, unknown: &str) -> Option<String> {
+        let arena = &self.arena;
+        let term = |factor: Expr, symbol: &str| text::combination(arena, &[(factor, symbol)]);
+        match equation {
+            StageEquation::Trig([a, b, _]) | StageEquation::TrigUnit([a, b, _], _) => {
+                let angle = unknown.strip_prefix("theta").unwrap_or(unknown);
+                let (sin, cos) = (format!("s{angle}"), format!("c{angle}"));
+                Some(match (arena.is_zero(*a), arena.is_zero(*b)) {
+                    (_, true) => format!("{} > 0", term(*a, &sin)),
+                    (true, _) => format!("{} < 0", term(*b, &cos)),
+                    _ => format!("{} > {}", term(*a, &sin), term(*b, &cos)),
+                })
+            }
+            StageEquation::Quadratic([a, b, _]) => {
+                let twice = format!("2 {unknown}");
+                Some(format!("{} > 0", text::combination(arena, &[(*a, &twice), (*b, "")])))
+            }
+            StageEquation::TrigPair(..) | StageEquation::Linear(_) => None,
+        }
     }
 
     /// Which rows, with which sign, an angle is the sum of.

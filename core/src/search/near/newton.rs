@@ -23,7 +23,8 @@ const SMALL_PIVOT: f64 = 1e-4;
 /// A step that leaves more of the error than this is one of a method that isn't near a solution.
 const CONVERGES: f64 = 0.25;
 
-/// Joint values brought to a pose, or `None` where that is not a matter of a few steps.
+/// Joint values brought to a pose, with whether the determinant of the Jacobian is negative there; `None` where that is not a
+/// matter of a few steps.
 ///
 /// Where the first step is short beside what the Jacobian needs to become singular, there is one solution near the
 /// start, and the error is squared with every step \[Kantorovich; Ortega and Rheinboldt, Iterative Solution of Nonlinear
@@ -34,8 +35,9 @@ pub(super) fn solve<const N: usize, S: Float>(
     target: &Frame<S>,
     reach: S,
     mut pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
-) -> Option<Polished<N, S>> {
+) -> Option<(Polished<N, S>, bool)> {
     let (mut q, mut last) = (start, S::INFINITY);
+    let mut negative = None;
     let long = S::ONE.max(S::ONE / reach);
     for _ in 0..STEPS {
         let (tool, jacobian) = pose_and_jacobian(&q);
@@ -45,18 +47,18 @@ pub(super) fn solve<const N: usize, S: Float>(
         let small = S::from_f64(SMALL) * S::EPSILON;
         let slow = error > S::from_f64(CONVERGES) * last;
         if error <= rounding || (error <= small && slow) {
-            return Some(Polished {
-                q,
-                position_error: at.position_error,
-                rotation_error: at.rotation_error,
-            });
+            let found =
+                Polished { q, position_error: at.position_error, rotation_error: at.rotation_error };
+            return Some((found, negative.unwrap_or_else(|| at.solution().1)));
         }
         if slow || error.is_nan() {
             return None;
         }
         last = error;
         let mut length = S::ZERO;
-        for (joint, change) in unknowns.iter().zip(at.solution()) {
+        let (step, sign) = at.solution();
+        negative = Some(sign);
+        for (joint, change) in unknowns.iter().zip(step) {
             *q.get_mut(*joint)? += change;
             length += change.abs();
         }
@@ -64,7 +66,8 @@ pub(super) fn solve<const N: usize, S: Float>(
         let length = length * long;
         let left = length * length;
         if left <= S::from_f64(LEFT) * S::EPSILON {
-            return Some(Polished { q, position_error: left * reach, rotation_error: left });
+            let found = Polished { q, position_error: left * reach, rotation_error: left };
+            return Some((found, sign));
         }
     }
     None
@@ -78,6 +81,16 @@ pub(super) struct Place<S> {
     pub(super) idle: [S; UNKNOWNS],
     pub(super) leads: usize,
     pub(super) pivot: S,
+}
+
+/// Whether the determinant of the Jacobian is negative.
+pub(super) fn is_negative<S: Float>(
+    unknowns: &[usize; UNKNOWNS],
+    tool: &Frame<S>,
+    jacobian: &[[S; 6]],
+    reach: S,
+) -> bool {
+    Equations::new(unknowns, tool, jacobian, tool, reach).is_some_and(|mut at| at.pivoted().1)
 }
 
 /// See [`Place`].
@@ -155,9 +168,9 @@ impl<S: Float> Equations<S> {
         Some(Self { rows, position_error: norm(away), rotation_error: norm(turned) })
     }
 
-    /// By Gaussian elimination; not finite where the equations are singular.
+    /// By Gaussian elimination, with whether the determinant is negative; not finite where the equations are singular.
     #[inline]
-    fn solution(&mut self) -> [S; UNKNOWNS] {
+    fn solution(&mut self) -> ([S; UNKNOWNS], bool) {
         // A digit that is lost here is made up for by the next step: rows are exchanged only where many are.
         unpivoted(&self.rows).unwrap_or_else(|| self.pivoted())
     }
@@ -165,35 +178,43 @@ impl<S: Float> Equations<S> {
     /// With partial pivoting.
     #[cold]
     #[inline(never)]
-    fn pivoted(&mut self) -> [S; UNKNOWNS] {
-        self.triangular();
-        substitute(&self.rows)
+    fn pivoted(&mut self) -> ([S; UNKNOWNS], bool) {
+        let exchanged = self.triangular();
+        let pivots = self.rows.iter().enumerate().map(|(k, row)| row[k]);
+        let negative = pivots.fold(exchanged, |negative, pivot| negative ^ (pivot < S::ZERO));
+        (substitute(&self.rows), negative)
     }
 
-    fn triangular(&mut self) {
+    /// Says whether rows were exchanged an odd number of times.
+    fn triangular(&mut self) -> bool {
         let a = &mut self.rows;
+        let mut odd = false;
         for k in 0..UNKNOWNS {
             for r in k + 1..UNKNOWNS {
                 if a[r][k].abs() > a[k][k].abs() {
                     let (upper, lower) = (a[k], a[r]);
                     a[k] = lower;
                     a[r] = upper;
+                    odd = !odd;
                 }
             }
             eliminate(a, k);
         }
+        odd
     }
 }
 
 /// Elimination with the rows as they come, or `None` where a pivot is small.
 #[inline]
-fn unpivoted<S: Float>(rows: &[[S; UNKNOWNS + 1]; UNKNOWNS]) -> Option<[S; UNKNOWNS]> {
+fn unpivoted<S: Float>(rows: &[[S; UNKNOWNS + 1]; UNKNOWNS]) -> Option<([S; UNKNOWNS], bool)> {
     let [a, mut b, mut c, mut d, mut e, mut f] = *rows;
     let mut least = S::INFINITY;
+    let mut negative = false;
     macro_rules! eliminated {
         ($k:literal, $top:ident: $($row:ident),*) => {{
             let size = $top[$k].abs();
             least = if size < least { size } else { least };
+            negative ^= $top[$k] < S::ZERO;
             let inverse = S::ONE / $top[$k];
             $(
                 let factor = $row[$k] * inverse;
@@ -215,13 +236,14 @@ fn unpivoted<S: Float>(rows: &[[S; UNKNOWNS + 1]; UNKNOWNS]) -> Option<[S; UNKNO
     if !super::above(least, S::from_f64(SMALL_PIVOT)) {
         return None;
     }
+    negative ^= f[5] < S::ZERO;
     let z = f[6] / f[5];
     let y = (e[6] - e[5] * z) * ie;
     let x = (d[6] - d[5] * z - d[4] * y) * id;
     let w = (c[6] - c[5] * z - c[4] * y - c[3] * x) * ic;
     let v = (b[6] - b[5] * z - b[4] * y - b[3] * x - b[2] * w) * ib;
     let u = (a[6] - a[5] * z - a[4] * y - a[3] * x - a[2] * w - a[1] * v) * ia;
-    Some([u, v, w, x, y, z])
+    Some(([u, v, w, x, y, z], negative))
 }
 
 /// Takes the unknown of column `k` out of the rows below row `k`.
@@ -279,12 +301,14 @@ mod tests {
     #[test]
     fn equations_are_solved_with_rows_as_they_come_and_exchanged() {
         let plain = rows(false);
-        let x = unpivoted(&plain).expect("no small pivot");
+        let (x, negative) = unpivoted(&plain).expect("no small pivot");
         assert!(left(&plain, &x) < 1e-12);
+        let mut equations = Equations { rows: plain, position_error: 0.0, rotation_error: 0.0 };
+        assert_eq!(equations.pivoted().1, negative);
         let hidden = rows(true);
         assert!(unpivoted(&hidden).is_none());
         let mut equations = Equations { rows: hidden, position_error: 0.0, rotation_error: 0.0 };
-        assert!(left(&hidden, &equations.solution()) < 1e-12);
+        assert!(left(&hidden, &equations.solution().0) < 1e-12);
     }
 
     #[test]
@@ -292,6 +316,6 @@ mod tests {
         let mut rows = rows(false);
         rows[5] = rows[4];
         let mut equations = Equations { rows, position_error: 0.0, rotation_error: 0.0 };
-        assert!(!equations.solution().iter().all(|x| x.abs() < 1e9));
+        assert!(!equations.solution().0.iter().all(|x| x.abs() < 1e9));
     }
 }

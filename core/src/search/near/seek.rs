@@ -3,12 +3,13 @@
 //! Joint values that bring the arm as it is to the target bring the one that was meant to a pose near by. Where its closed
 //! form is singular at the target, it is not at most of these; roots that have met at the target part on one side of it.
 
-use super::newton::{self, Place};
-use super::{Near, UNKNOWNS};
+use super::curve::{Arm, STRIDE, apart};
+use super::newton::Place;
+use super::{Exact, Near, UNKNOWNS};
 use crate::frame::{norm, sub};
-use crate::polish::{Polished, polish};
+use crate::polish::Polished;
 use crate::search::Search;
-use crate::{Float, Frame, GeneralArm, IkError, Solution, Solutions, Wanted, Winding, rotation_error};
+use crate::{Float, Frame, IkError, Solution, Solutions, Wanted, Winding, rotation_error};
 
 /// What has been found at poses around the target.
 #[derive(Debug, Clone)]
@@ -43,29 +44,12 @@ const DISTANCES: u32 = 5;
 /// A candidate that misses the pose asked for by more than this (reaches, rad) is a false root.
 const HOPELESS: f64 = 1e-3;
 
-/// A candidate whose error (reaches, rad) Newton's method doesn't bring below this is none.
-const FOUND: f64 = 1e-10;
-
-/// Damped steps at most.
-const STEPS: usize = 24;
-
-/// Places along a curve are so far apart (rad, reaches), and so many; the other joints follow by so many steps; farther than
-/// this (reaches, rad) from the target the curve is left.
-const STRIDE: f64 = 0.25;
-const FINER: f64 = 0.1;
-const WALK: u32 = 28;
-const CORRECTIONS: usize = 2;
-const AWAY: f64 = 0.05;
-
 /// So many solutions on curves are remembered; they are one where they are no farther apart than this (rad, reaches).
 const PLACES: usize = 16;
 const SAME: f64 = 1e-5;
 
 /// Where Newton's method does not converge, curves are followed at so many poses.
 const FOLLOWED: u32 = 5;
-
-/// Two solutions may have met where no more than this (reaches, rad) is missing.
-const TOUCHES: f64 = 1e-6;
 
 /// Where a pivot is this small, solutions may be near to each other.
 const NEARLY_SINGULAR: f64 = 0.03;
@@ -76,23 +60,10 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
     #[inline(never)]
     pub(super) fn next_neighbour(&mut self) -> Option<Frame<S>> {
         let target = self.target;
-        let seek = if let Some(seek) = &mut self.seek {
-            seek
-        } else {
-            let mut seek = Seek {
-                pose: target,
-                asked: 0,
-                idle: 0,
-                found: Solutions::EMPTY,
-                complete: false,
-                walked: [[S::ZERO; N]; PLACES],
-                places: 0,
-            };
-            if let Some((chain, offsets)) = &self.chain {
-                seek.ask(chain, offsets, &target, self.search.windings);
-            }
-            self.seek.insert(seek)
-        };
+        if self.seek.is_none() {
+            self.seek = Some(self.ask());
+        }
+        let seek = self.seek.as_mut()?;
         if seek.complete {
             return None;
         }
@@ -110,6 +81,45 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         }
         self.search = Search::new(self.search.reach, self.search.windings);
         Some(seek.pose)
+    }
+
+    /// What the general chain finds as long as its doubts cost nothing.
+    fn ask(&self) -> Seek<N, S> {
+        let target = &self.target;
+        let mut seek = Seek {
+            pose: *target,
+            asked: 0,
+            idle: 0,
+            found: Solutions::EMPTY,
+            complete: false,
+            walked: [[S::ZERO; N]; PLACES],
+            places: 0,
+        };
+        let Some(Exact { arm, joints }) = &self.chain else { return seek };
+        let Some(six) = arm.six(&[]) else { return seek };
+        let pose = Frame {
+            rotation: target.rotation.map(|row| row.map(Float::to_f64)),
+            translation: target.translation.map(Float::to_f64),
+        };
+        let (_, sure) = six.solve_plainly(&pose, |values| {
+            let tip = six.tip(values);
+            let mut q = [S::ZERO; N];
+            for (joint, [factors @ .., constant]) in self.unknowns.iter().zip(joints) {
+                let value = factors.iter().zip(values).fold(*constant, |sum, (factor, x)| sum + factor * x);
+                if let Some(slot) = q.get_mut(*joint) {
+                    *slot = S::from_f64(value);
+                }
+            }
+            let found = Polished {
+                q,
+                position_error: S::from_f64(norm(sub(tip.translation, pose.translation))),
+                rotation_error: S::from_f64(crate::rotation_error(&pose.rotation, &tip.rotation)),
+            };
+            let negative = six.is_turned_over(values, 0) != self.labels.mirrored;
+            seek.add(self.labels.solution(&found, negative), self.search.windings);
+        });
+        seek.complete = sure && !seek.found.is_empty();
+        seek
     }
 
     /// A candidate for the pose that is asked for.
@@ -132,10 +142,11 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         }
         let unknowns = &self.unknowns;
         let windings = self.search.windings;
-        let mut arm = Arm { unknowns, target: &target, reach, pose_and_jacobian };
+        let labels = &self.labels;
+        let mut arm = Arm { unknowns, target: &target, reach, labels, pose_and_jacobian };
         let from = match arm.bring(q) {
             Some(found) => {
-                seek.add(&found, windings);
+                seek.add(found, windings);
                 let regular = |at: Place<S>| at.pivot > S::from_f64(NEARLY_SINGULAR);
                 if seek.was_at(&found.q, unknowns) || arm.place(&found.q).is_some_and(regular) {
                     return;
@@ -147,7 +158,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         };
         // There may be others on the curve along which the tool hardly moves.
         for side in [S::ONE, -S::ONE] {
-            if arm.walk(from, side * S::from_f64(STRIDE), 1, seek, windings) {
+            if arm.walk(from, side * S::from_f64(STRIDE), 1, seek) {
                 break;
             }
         }
@@ -168,50 +179,18 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         Self: 'w,
     {
         let mut search = Search::about(self.search.reach, self.search.windings, wanted);
-        match &self.seek {
-            Some(seek) => search.solutions = seek.found.copied(),
-            _ => {}
+        if let Some(seek) = &self.seek {
+            search.solutions = seek.found.copied();
         }
         search
     }
 }
 
 impl<const N: usize, S: Float> Seek<N, S> {
-    /// Asks the general chain, as long as its doubts cost nothing.
-    fn ask(
-        &mut self,
-        chain: &GeneralArm<'_>,
-        offsets: &[f64],
-        target: &Frame<S>,
-        windings: &[Winding<'_, S>],
-    ) {
-        let Some(six) = chain.six(&[]) else { return };
-        let pose = Frame {
-            rotation: target.rotation.map(|row| row.map(Float::to_f64)),
-            translation: target.translation.map(Float::to_f64),
-        };
-        let (_, sure) = six.solve_plainly(&pose, |solution| {
-            let tip = six.tip(solution);
-            let mut q = [S::ZERO; N];
-            for (slot, (value, offset)) in q.iter_mut().zip(solution.iter().zip(offsets)) {
-                *slot = S::from_f64(value - offset);
-            }
-            let found = Polished {
-                q,
-                position_error: S::from_f64(norm(sub(tip.translation, pose.translation))),
-                rotation_error: S::from_f64(crate::rotation_error(&pose.rotation, &tip.rotation)),
-            };
-            self.add(&found, windings);
-        });
-        self.complete = sure && !self.found.is_empty();
-    }
-
     /// Takes what was found.
-    fn add(&mut self, found: &Polished<N, S>, windings: &[Winding<'_, S>]) {
-        let Polished { mut q, position_error, rotation_error } = *found;
-        crate::rules::wrap_all(windings, &mut q);
+    pub(super) fn add(&mut self, solution: Solution<N, S>, windings: &[Winding<'_, S>]) {
         let before = self.found.len();
-        self.found.push(Solution { q, position_error, rotation_error, free: None }, windings);
+        self.found.push(solution, windings);
         if self.found.len() > before {
             self.idle = 0;
         }
@@ -223,144 +202,12 @@ impl<const N: usize, S: Float> Seek<N, S> {
         walked.any(|place| apart(place, q, unknowns) <= S::from_f64(SAME))
     }
 
-    fn note(&mut self, q: [S; N]) {
+    pub(super) fn note(&mut self, q: [S; N]) {
         if let Some(slot) = self.walked.get_mut(self.places) {
             *slot = q;
             self.places += 1;
         }
     }
-}
-
-/// The greatest difference of two sets of joint values, whole turns aside.
-fn apart<const N: usize, S: Float>(a: &[S; N], b: &[S; N], unknowns: &[usize; UNKNOWNS]) -> S {
-    let mut away = S::ZERO;
-    for joint in unknowns {
-        if let (Some(a), Some(b)) = (a.get(*joint), b.get(*joint)) {
-            away = away.max((*a - *b).wrap_angle().abs());
-        }
-    }
-    away
-}
-
-/// The arm as it is, to be brought to the target.
-struct Arm<'a, const N: usize, S, F> {
-    unknowns: &'a [usize; UNKNOWNS],
-    target: &'a Frame<S>,
-    reach: S,
-    pose_and_jacobian: F,
-}
-
-impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm<'_, N, S, F> {
-    fn newton(&mut self, q: [S; N]) -> Option<Polished<N, S>> {
-        newton::solve(q, self.unknowns, self.target, self.reach, &mut self.pose_and_jacobian)
-    }
-
-    /// Brings joint values to the target.
-    fn bring(&mut self, q: [S; N]) -> Option<Polished<N, S>> {
-        if let Some(found) = self.newton(q) {
-            return Some(found);
-        }
-        let met = S::from_f64(FOUND).max(S::from_f64(64.0) * S::EPSILON);
-        let found = self.polish(q, STEPS, None);
-        (found.position_error <= met * self.reach && found.rotation_error <= met).then_some(found)
-    }
-
-    fn place(&mut self, q: &[S; N]) -> Option<Place<S>> {
-        let (tool, columns) = (self.pose_and_jacobian)(q);
-        newton::place(self.unknowns, &tool, &columns, self.target, self.reach)
-    }
-
-    /// By damped steps of the unknowns but one.
-    fn polish(&mut self, q: [S; N], steps: usize, held: Option<usize>) -> Polished<N, S> {
-        let unknowns = self.unknowns;
-        let exact = &mut self.pose_and_jacobian;
-        polish(q, self.target, self.reach, steps, |q| {
-            let (tool, mut columns) = exact(q);
-            for (joint, column) in columns.iter_mut().enumerate() {
-                if !unknowns.contains(&joint) || Some(joint) == held {
-                    *column = [S::ZERO; 6];
-                }
-            }
-            (tool, columns)
-        })
-    }
-
-    /// Goes along the curve on which five joints make up for what the sixth does as well as they can. What is missing there
-    /// has one direction, and is 0 at a solution. Says whether the curve was closed.
-    fn walk(
-        &mut self,
-        from: [S; N],
-        stride: S,
-        finer: u32,
-        seek: &mut Seek<N, S>,
-        windings: &[Winding<'_, S>],
-    ) -> bool {
-        let Some(mut at) = self.place(&from) else { return false };
-        let (mut q, mut before) = (from, None);
-        seek.note(from);
-        for step in 0..WALK {
-            let mut on = q;
-            for (joint, part) in self.unknowns.iter().zip(at.idle) {
-                if let Some(value) = on.get_mut(*joint) {
-                    *value += stride * part;
-                }
-            }
-            let Some(held) = self.unknowns.get(at.leads) else { return false };
-            on = self.polish(on, CORRECTIONS, Some(*held)).q;
-            let Some(mut next) = self.place(&on) else { return false };
-            if dot(&next.idle, &at.idle) < S::ZERO {
-                next.idle = next.idle.map(|part| -part);
-            }
-            let [last, size] = [&at.missing, &next.missing].map(|missing| dot(missing, missing).sqrt());
-            if !(size <= S::from_f64(AWAY)) {
-                return false;
-            }
-            if dot(&at.missing, &next.missing) < S::ZERO {
-                let mut between = q;
-                let share = last / (last + size);
-                between.iter_mut().zip(on).for_each(|(value, on)| *value += share * (on - *value));
-                if let Some(hit) = self.bring(between) {
-                    seek.add(&hit, windings);
-                    if apart(&hit.q, &between, self.unknowns) < S::from_f64(0.5) * stride.abs() {
-                        seek.note(hit.q);
-                    }
-                }
-                before = None;
-            } else if let Some((start, longer)) = before
-                && last <= longer
-                && last < size
-                && may_vanish([longer, last, size])
-            {
-                // Two may be so near to each other that the sign has changed twice.
-                if finer > 0 {
-                    self.walk(start, stride * S::from_f64(FINER), finer - 1, seek, windings);
-                } else if let Some(hit) = self.bring(q) {
-                    seek.add(&hit, windings);
-                }
-                before = Some((q, last));
-            } else {
-                before = Some((q, last));
-            }
-            (q, at) = (on, next);
-            if finer > 0 {
-                if step > 2 && apart(&q, &from, self.unknowns) < S::from_f64(0.6) * stride.abs() {
-                    return true;
-                }
-            }
-        }
-        false
-    }
-}
-
-/// Whether the parabola through three values, of which that in the middle is the least, comes near to 0.
-fn may_vanish<S: Float>([before, least, after]: [S; 3]) -> bool {
-    let (rise, bend) = (after - before, before - least + after - least);
-    let vertex = least - rise * rise / (S::from_f64(8.0) * bend);
-    vertex <= S::from_f64(0.5) * least || least <= S::from_f64(TOUCHES)
-}
-
-fn dot<S: Float>(a: &[S; UNKNOWNS], b: &[S; UNKNOWNS]) -> S {
-    a.iter().zip(b).fold(S::ZERO, |sum, (a, b)| sum + *a * *b)
 }
 
 /// Where the pose of a number is, beside the target (reaches, rad): multiples of the powers of 1/g, with g^7 = g + 1, fill all

@@ -2,10 +2,10 @@
 
 use super::{Arm, Servo, setup};
 use crate::driver::{Attachment, AttachmentUnit, Cause, DeviceJoint, Driver, DriverError};
+use crate::dynamixel::bus::{Answer, Bus};
 use crate::dynamixel::control_table::{
     GOAL_POSITION, HARDWARE_ERROR, PRESENT_POSITION, PROFILE_ACCELERATION, PROFILE_VELOCITY, TORQUE,
 };
-use crate::dynamixel::packet::MAX_ID;
 use crate::dynamixel::status::hardware_fault;
 use dh_runtime::Limits;
 
@@ -27,14 +27,15 @@ impl Arm {
     /// [`DriverError`]: an id that is taken or none, another model than the table says, another mode than a position's.
     pub fn with_attachments(mut self, attachments: Vec<DeviceJoint>) -> Result<Self, DriverError> {
         let port = self.name().to_owned();
-        for mut joint in attachments {
+        let all = attachments.clone();
+        for (index, mut joint) in attachments.into_iter().enumerate() {
             let name = joint.name.clone();
             let refused =
                 |cause| Err(DriverError::new(port.as_str(), setup::NAME, cause).of_joint(name.as_str()));
-            let id = u8::try_from(joint.id).ok().filter(|id| *id <= MAX_ID && !self.ids().contains(id));
-            let Some(id) = id else {
-                let range = Cause::OutsideRange { value: joint.id.into(), min: 0.0, max: MAX_ID.into() };
-                return refused(range);
+            let others = self.map.joints.iter().chain(all.iter().take(index));
+            let id = match setup::own_id(&joint, others) {
+                Ok(id) => id,
+                Err(cause) => return refused(cause),
             };
             joint.max_velocity = joint.max_velocity.or(Some(CALM));
             match setup::find(&mut self.bus, &joint, id, self.settings) {
@@ -110,12 +111,37 @@ impl Arm {
 
     /// Switches the torque of all of them off; on it comes with the next move.
     pub(super) fn release_attached(&mut self) -> Result<(), DriverError> {
-        for (id, name) in
-            self.attached.iter().map(|one| (one.servo.id, one.joint.name.clone())).collect::<Vec<_>>()
-        {
-            let outcome = self.bus.write(id, TORQUE.address, &TORQUE.bytes(0));
-            outcome.map_err(|error| self.named(error).of_joint(name))?;
+        self.each_attached(|bus, id| there(bus.write(id, TORQUE.address, &TORQUE.bytes(0))).map(|_| ()))
+    }
+
+    /// Starts those anew that have latched a hardware error.
+    pub(super) fn clear_attached(&mut self) -> Result<(), DriverError> {
+        self.each_attached(|bus, id| {
+            let latched = there(bus.read(id, HARDWARE_ERROR.address, HARDWARE_ERROR.size))?;
+            if latched.is_some_and(|latched| HARDWARE_ERROR.value(&latched.data) != Some(0)) {
+                bus.reboot(id)?;
+                bus.await_servo(id)?;
+            }
+            Ok(())
+        })
+    }
+
+    fn each_attached(
+        &mut self,
+        act: impl Fn(&mut Bus, u8) -> Result<(), DriverError>,
+    ) -> Result<(), DriverError> {
+        let all: Vec<_> = self.attached.iter().map(|one| (one.servo.id, one.joint.name.clone())).collect();
+        for (id, name) in all {
+            act(&mut self.bus, id).map_err(|error| self.named(error).of_joint(name))?;
         }
         Ok(())
+    }
+}
+
+/// The answer of one that is still there: what is silent was taken off since it was found.
+fn there(outcome: Result<Answer, DriverError>) -> Result<Option<Answer>, DriverError> {
+    match outcome {
+        Err(error) if matches!(error.cause, Cause::Silent { .. }) => Ok(None),
+        outcome => outcome.map(Some),
     }
 }

@@ -36,13 +36,10 @@ pub(super) fn connect(mut bus: Bus, mut map: JointMap, settings: Settings) -> Re
         Err(DriverError::new(port.as_str(), NAME, cause).of_joint(joint.name.as_str()))
     };
     let mut ids = Vec::new();
-    for joint in &map.joints {
-        match u8::try_from(joint.id) {
-            Ok(id) if id <= MAX_ID && !ids.contains(&id) => ids.push(id),
-            _ => {
-                let range = Cause::OutsideRange { value: joint.id.into(), min: 0.0, max: MAX_ID.into() };
-                return refused(joint, range);
-            }
+    for (index, joint) in map.joints.iter().enumerate() {
+        match own_id(joint, map.joints.iter().take(index)) {
+            Ok(id) => ids.push(id),
+            Err(cause) => return refused(joint, cause),
         }
     }
     // Servos that don't answer writes couldn't say that they refuse one.
@@ -76,6 +73,20 @@ pub(super) fn connect(mut bus: Bus, mut map: JointMap, settings: Settings) -> Re
         fault: None,
         seen,
     })
+}
+
+/// The id of a servo, which must be one of the protocol and none of the others'.
+pub(super) fn own_id<'j>(
+    joint: &DeviceJoint,
+    mut others: impl Iterator<Item = &'j DeviceJoint>,
+) -> Result<u8, Cause> {
+    let id = u8::try_from(joint.id).ok().filter(|id| *id <= MAX_ID);
+    let range = Cause::OutsideRange { value: joint.id.into(), min: 0.0, max: MAX_ID.into() };
+    let id = id.ok_or(range)?;
+    match others.find(|other| other.id == joint.id) {
+        Some(other) => Err(Cause::IdTaken { id: joint.id, of: other.name.clone() }),
+        None => Ok(id),
+    }
 }
 
 /// As often as the line allows: a goal for each servo and a read of their state, and a quarter more.

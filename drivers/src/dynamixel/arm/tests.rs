@@ -12,6 +12,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
+mod attached;
+
 const FINGERPRINT: u64 = 0x1234;
 
 /// A turning joint of an XL430, and of an XM540 that counts the other way round.
@@ -372,45 +374,4 @@ fn other_servos_than_the_tables_are_refused() {
 
 fn set(bus: &mut SimulatedBus, register: &super::Register, value: i64) {
     bus.servo_mut(7).unwrap().set(register, value);
-}
-
-/// A hand of one servo: moved by itself, within its own range, with a torque of its own; one that is not there is left out.
-#[test]
-fn what_is_attached_is_moved_by_itself() {
-    let clock: Arc<dyn Clock> = Arc::new(VirtualClock::new());
-    let servo = |id, model: usize| ServoSpec { id, model: &MODELS[model], baud: 1_000_000, position: 2048.0 };
-    let device = Arc::new(Mutex::new(SimulatedBus::new([servo(1, 0), servo(7, 2), servo(9, 1)])));
-    let connect = |attachments| {
-        let port = SimulatedPort::new(Arc::clone(&device), Arc::clone(&clock));
-        let arm = Arm::connect(Bus::new(Box::new(port), Timing::default()), map(), Settings::default());
-        arm.unwrap().with_attachments(attachments)
-    };
-    let hand = |id| DeviceJoint {
-        name: "hand".to_owned(),
-        id,
-        model: None,
-        table_limits: None,
-        range: Some(Limits { min: 1000.0, max: 3000.0 }),
-        ..map().joints[0].clone()
-    };
-    assert!(connect(vec![hand(30)]).unwrap().attachments().is_empty());
-    assert!(connect(vec![hand(7)]).is_err(), "a joint's servo is no hand");
-    let mut arm = connect(vec![hand(9)]).unwrap();
-    let [attachment] = <[_; 1]>::try_from(Driver::attachments(&arm)).unwrap();
-    assert!((attachment.range.max - 952.0 * TAU / 4096.0).abs() < 1e-9, "{attachment:?}");
-    let position = || device.lock().unwrap().servo(9).unwrap().position();
-    let driven = || [1, 9].map(|id| device.lock().unwrap().servo(id).unwrap().is_driven());
-    let error = arm.move_attachment("hand", 2.0).unwrap_err();
-    assert!(matches!(error.cause, Cause::OutsideRange { value, .. } if value > 3000.0), "{error}");
-    assert_eq!(arm.move_attachment("foot", 0.1).unwrap_err().cause, Cause::Unsupported);
-    assert_eq!((driven(), position()), ([false, false], 2048.0));
-    arm.move_attachment("hand", 0.5).unwrap();
-    clock.sleep_until(clock.now() + Duration::from_secs(2));
-    assert!((arm.read_attachment("hand").unwrap() - 0.5).abs() < TAU / 4096.0);
-    assert_eq!(driven(), [false, true]);
-    device.lock().unwrap().servo_mut(9).unwrap().latch(0b10_0000);
-    let error = arm.move_attachment("hand", 0.0).unwrap_err();
-    assert!(error.joint.as_deref() == Some("hand") && matches!(error.cause, Cause::Fault(_)), "{error}");
-    arm.torque(false).unwrap();
-    assert_eq!(driven(), [false, false]);
 }

@@ -15,6 +15,8 @@ pub(super) struct Solution {
     pub(super) roots: Vec<String>,
     /// Number of roots; where there are none, or too many.
     pub(super) remarks: Vec<String>,
+    /// Of two roots, which is the `+` root.
+    pub(super) plus: Option<String>,
 }
 
 impl Solution {
@@ -75,7 +77,10 @@ fn trig(unknown: &Unknown<'_>, [a, b, c]: [Sum; 3], units: Units) -> Solution {
         remarks.push(format!("out of reach where {}", out_of_reach(&a, &b, &c)));
     }
     remarks.extend(vanishing(&[&a, &b]));
-    Solution { equations: vec![format!("{} = {c}", left(unknown, &a, &b))], roots: vec![roots], remarks }
+    let equations = vec![format!("{} = {c}", left(unknown, &a, &b))];
+    let [cos, sin] = unknown.cos_sin();
+    let plus = Some(format!("{} > 0", a.mul(sin).sub(b.mul(cos))));
+    Solution { equations, roots: vec![roots], remarks, plus }
 }
 
 /// Where a cos x + b sin x = c has no root.
@@ -125,7 +130,7 @@ fn trig_pair(unknown: &Unknown<'_>, first: &[Sum; 3], second: &[Sum; 3]) -> Solu
         (vec![abbreviation, root], vanishing(&[&determinant]))
     };
     remarks.extend(singular);
-    Solution { equations, roots, remarks }
+    Solution { equations, roots, remarks, plus: None }
 }
 
 fn linear(unknown: &Unknown<'_>, a: &Sum, c: &Sum) -> Solution {
@@ -134,7 +139,7 @@ fn linear(unknown: &Unknown<'_>, a: &Sum, c: &Sum) -> Solution {
     let roots = if root == equation { Vec::new() } else { vec![root] };
     let mut remarks = vec!["one root".to_owned()];
     remarks.extend(vanishing(&[a]));
-    Solution { equations: vec![equation], roots, remarks }
+    Solution { equations: vec![equation], roots, remarks, plus: None }
 }
 
 fn quadratic(unknown: &Unknown<'_>, a: &Sum, b: &Sum, c: &Sum) -> Solution {
@@ -153,5 +158,6 @@ fn quadratic(unknown: &Unknown<'_>, a: &Sum, b: &Sum, c: &Sum) -> Solution {
         equations: vec![format!("{left} = 0")],
         roots: vec![format!("{} = {above} / {below}", unknown.name)],
         remarks,
+        plus: Some(format!("{} > 0", double.mul(unknown.value()).add(b.clone()))),
     }
 }
