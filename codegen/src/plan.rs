@@ -27,8 +27,7 @@ pub fn build(model: &crate::model::Model) -> (Plan, Vec<Unsolved>) {
     let mut functions = forward::functions(model, &mut constants);
     let (inverse, unsolved) = inverse::functions(model, &mut constants);
     functions.extend(inverse);
-    let plan = Plan { constants: constants.into_list(), functions };
-    (near::rated(model, plan), unsolved)
+    (Plan { constants: constants.into_list(), functions }, unsolved)
 }
 
 /// A function that finds all joints of an inverse problem (an index into `Model::problems`, or the full pose) at once,
@@ -275,8 +274,6 @@ pub enum Step {
         nearly: Nearly,
         /// What kind of arm was meant, in the field's words.
         meant: String,
-        /// The share of poses at which `otherwise` is done.
-        share: f64,
         /// Closed form of the arm that was meant.
         body: Vec<Step>,
         /// The arm as it is.

@@ -67,10 +67,10 @@ fn way(function: &Function) -> &'static str {
     }
 }
 
-/// What kind of arm was meant, where a nearly special one is solved as that, and how often that isn't enough.
-fn near(function: &Function) -> Option<(&str, f64)> {
+/// What kind of arm was meant, where a nearly special one is solved as that.
+fn near(function: &Function) -> Option<&str> {
     match function.steps.as_slice() {
-        [Step::Near { meant, share, .. }] => Some((meant, *share)),
+        [Step::Near { meant, .. }] => Some(meant),
         _ => None,
     }
 }
@@ -78,10 +78,9 @@ fn near(function: &Function) -> Option<(&str, f64)> {
 /// What of the geometry, or of the problem, makes that the way.
 fn why(robot: &Robot, function: &Function) -> String {
     let model = robot.model();
-    if let Some((meant, share)) = near(function) {
-        let share = 100.0 * share;
+    if let Some(meant) = near(function) {
         return format!(
-            "solved as {meant}; each solution is brought to the table as written by Newton's method; near singular poses ({share:.0} % of all) the general chain, by a polynomial in one joint"
+            "solved as {meant}; each solution is brought to the table as written by Newton's method; near singular poses also from poses around, and by a polynomial in one joint"
         );
     }
     let problem = match function.kind {

@@ -3,24 +3,19 @@
 
 mod gains;
 
-use super::eval::{Given, Program};
 use super::schedule::Constants;
-use super::{Function, FunctionKind, GeneralChain, Plan, Scalar, Step, ValueId, general, inverse};
+use super::{Function, GeneralChain, Scalar, Step, ValueId, general, inverse};
 use crate::model::product;
 use crate::model::{self, JointKind, Model, Problem};
 use crate::symbolic::inverse_kinematics::{self, Derivation};
 use crate::symbolic::redundancy;
-use dh_core::{BranchBit, Forms, Frame, IkError, Target, rotation_error};
+use dh_core::{BranchBit, Forms, Frame, rotation_error};
 
 /// At how many joint vectors the two arms are compared.
 const SAMPLES: usize = 256;
 
 /// Arms whose tool frames are farther apart (reaches, rad) are too far for bounds that are proportional to it.
-const FARTHEST: f64 = 5e-4;
-
-/// At how many poses the share of those is counted that the general chain has to solve, and the greatest such share.
-const POSES: usize = 100;
-const OFTEN: f64 = 0.5;
+const FARTHEST: f64 = 3e-2;
 
 /// The full pose by the nearly special arm's nominal one; `None` where there is none, or none with a closed form.
 pub(super) fn full_pose(model: &Model, constants: &mut Constants) -> Option<Function> {
@@ -89,53 +84,8 @@ fn function(
     function.stages.extend(otherwise.stages);
     let otherwise = behind.steps(otherwise.steps);
     let meant = nominal.geometry().class();
-    function.steps = vec![Step::Near { nearly, meant, share: 0.0, body, otherwise }];
+    function.steps = vec![Step::Near { nearly, meant, body, otherwise }];
     Some(function)
-}
-
-/// Counts the poses at which functions of nearly special arms need the general chain. Those that often do are that chain
-/// alone.
-pub(super) fn rated(model: &Model, mut plan: Plan) -> Plan {
-    for place in 0..plan.functions.len() {
-        let Some(function) = plan.functions.get(place) else { continue };
-        let (FunctionKind::Inverse(problem), [Step::Near { .. }]) =
-            (&function.kind, function.steps.as_slice())
-        else {
-            continue;
-        };
-        let share = share(model, &plan, function, *problem).unwrap_or(1.0);
-        let general = if share > OFTEN { super::general(model, *problem).ok() } else { None };
-        let Some(function) = plan.functions.get_mut(place) else { continue };
-        if let Some(general) = general {
-            *function = general;
-        } else if let Some(Step::Near { share: counted, .. }) = function.steps.first_mut() {
-            *counted = share;
-        }
-    }
-    plan
-}
-
-/// The share of poses at which a function's nominal closed form is not sure to find everything.
-fn share(model: &Model, plan: &Plan, function: &Function, problem: Option<usize>) -> Option<f64> {
-    let mut alone = function.clone();
-    if let Some(Step::Near { otherwise, .. }) = alone.steps.first_mut() {
-        otherwise.clear();
-    }
-    let forward = plan.functions.iter().filter(|other| !matches!(other.kind, FunctionKind::Inverse(_)));
-    let functions = forward.cloned().chain([alone]).collect();
-    let plan = Plan { constants: plan.constants.clone(), functions };
-    let program = Program::<f64>::new(model, &plan).ok()?;
-    let windings = program.windings();
-    let mut unsure = 0;
-    for sample in 0..POSES {
-        let q = joint_vector(model, sample);
-        let target = Target::Pose(frame(&product::frames(model, &q).tool));
-        let free: Vec<f64> = function.free.iter().filter_map(|joint| q.get(*joint).copied()).collect();
-        let answer =
-            program.inverse(problem, &target, Given { free: &free, seed: None }, &windings, |_| ())?;
-        unsure += usize::from(answer == Err(IkError::NotFinite));
-    }
-    Some(unsure as f64 / POSES as f64)
 }
 
 /// What a nearly special arm is to the one that was meant, as [`dh_core::Nearly`].

@@ -74,12 +74,11 @@ pub(super) fn stages(function: &Function) -> Option<String> {
 
 /// How a nearly special arm is solved.
 pub(super) fn meant(function: &Function) -> Option<String> {
-    let [Step::Near { meant, share, .. }] = function.steps.as_slice() else { return None };
+    let [Step::Near { meant, .. }] = function.steps.as_slice() else { return None };
     Some(format!(
         "Solved as the arm that was meant ({}); each solution is brought to the pose by Newton's method on the table as \
-         written. Near singular poses (about {:.0} % of all) the last step below solves the table as it is.",
-        clean(meant),
-        100.0 * share
+         written. Near singular poses, poses around are solved as well, or the last step below solves the table as it is.",
+        clean(meant)
     ))
 }
 

@@ -62,12 +62,6 @@ fn introduction(name: &str, problem: Option<&Problem>, text: &mut Text) {
     }
 }
 
-/// "3 %"; "less than 1 %".
-pub(crate) fn percent(share: f64) -> String {
-    let percent = 100.0 * share;
-    if percent < 1.0 { "less than 1 %".to_owned() } else { format!("{percent:.0} %") }
-}
-
 fn meaning(target: Target) -> &'static str {
     match target {
         Target::Pose => "the tool frame in the base frame",
@@ -123,11 +117,11 @@ impl Derivation<'_, '_, '_> {
                         self.text.line(2, &format!("({})", stage.origin));
                         self.text
                             .line(2, "up to 16 solutions; each is brought to the pose by Newton's method");
-                        self.text.lines(2, self.function.sign(0).as_slice());
+                        self.text.lines(2, self.function.sign(*index).as_slice());
                     }
                     self.steps(body);
                 }
-                Step::Near { meant, share, body, otherwise, .. } => {
+                Step::Near { meant, body, otherwise, .. } => {
                     self.text.gap();
                     self.text.line(1, &format!("The arm that was meant ({meant}):"));
                     self.steps(body);
@@ -138,7 +132,7 @@ impl Derivation<'_, '_, '_> {
                     );
                     self.text.line(
                         1,
-                        &format!("Near singular poses ({} of all) instead of this:", percent(*share)),
+                        "Near singular poses the same at poses around, and where that may not be all:",
                     );
                     self.steps(otherwise);
                 }
