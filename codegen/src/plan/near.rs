@@ -15,7 +15,7 @@ use dh_core::{BranchBit, Forms, Frame, rotation_error};
 const SAMPLES: usize = 256;
 
 /// Arms whose tool frames are farther apart (reaches, rad) are too far for bounds that are proportional to it.
-const FARTHEST: f64 = 3e-2;
+const FARTHEST: f64 = 1e-2;
 
 /// The full pose by the nearly special arm's nominal one; `None` where there is none, or none with a closed form.
 pub(super) fn full_pose(model: &Model, constants: &mut Constants) -> Option<Function> {

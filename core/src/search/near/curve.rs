@@ -21,6 +21,9 @@ const WALK: u32 = 28;
 const CORRECTIONS: usize = 2;
 const AWAY: f64 = 0.05;
 
+/// Where a pivot is this small, solutions may be so near to each other that curves are followed past them.
+const CROWDED: f64 = 5e-4;
+
 /// Two solutions may have met where no more than this (reaches, rad) is missing.
 const TOUCHES: f64 = 1e-6;
 
@@ -61,7 +64,15 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
         Some(self.labels.solution(&found, negative))
     }
 
-    pub(super) fn place(&mut self, q: &[S; N]) -> Option<Place<S>> {
+    /// Adds a solution; returns how little the tool moves there with the joints.
+    pub(super) fn take(&mut self, found: Solution<N, S>, seek: &mut Seek<N, S>) -> S {
+        seek.add(found, self.labels.windings);
+        let pivot = self.place(&found.q).map_or(S::ZERO, |at| at.pivot);
+        seek.crowded |= pivot < S::from_f64(CROWDED);
+        pivot
+    }
+
+    fn place(&mut self, q: &[S; N]) -> Option<Place<S>> {
         let (tool, columns) = (self.pose_and_jacobian)(q);
         newton::place(self.unknowns, &tool, &columns, self.target, self.reach)
     }
@@ -109,7 +120,7 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
                 let share = last / (last + size);
                 between.iter_mut().zip(on).for_each(|(value, on)| *value += share * (on - *value));
                 if let Some(hit) = self.bring(between) {
-                    seek.add(hit, self.labels.windings);
+                    self.take(hit, seek);
                     if apart(&hit.q, &between, self.unknowns) < S::from_f64(0.5) * stride.abs() {
                         seek.note(hit.q);
                     }
@@ -124,7 +135,7 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
                 if finer > 0 {
                     self.walk(start, stride * S::from_f64(FINER), finer - 1, seek);
                 } else if let Some(hit) = self.bring(q) {
-                    seek.add(hit, self.labels.windings);
+                    self.take(hit, seek);
                 }
                 before = Some((q, last));
             } else {

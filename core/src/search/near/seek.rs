@@ -4,12 +4,11 @@
 //! form is singular at the target, it is not at most of these; roots that have met at the target part on one side of it.
 
 use super::curve::{Arm, STRIDE, apart};
-use super::newton::Place;
 use super::{Exact, Near, UNKNOWNS};
 use crate::frame::{norm, sub};
 use crate::polish::Polished;
 use crate::search::Search;
-use crate::{Float, Frame, IkError, Solution, Solutions, Wanted, Winding, rotation_error};
+use crate::{Branch, Float, Frame, IkError, Solution, Solutions, Wanted, Winding, rotation_error};
 
 /// What has been found at poses around the target.
 #[derive(Debug, Clone)]
@@ -23,6 +22,8 @@ pub(super) struct Seek<const N: usize, S> {
     found: Solutions<N, S>,
     /// Whether that is all, as the general chain says.
     complete: bool,
+    /// Whether one is so nearly singular that others may be beside it.
+    pub(super) crowded: bool,
     /// Solutions from which curves were followed, or to which.
     walked: [[S; N]; PLACES],
     places: usize,
@@ -92,6 +93,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
             idle: 0,
             found: Solutions::EMPTY,
             complete: false,
+            crowded: false,
             walked: [[S::ZERO; N]; PLACES],
             places: 0,
         };
@@ -141,14 +143,12 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
             return;
         }
         let unknowns = &self.unknowns;
-        let windings = self.search.windings;
         let labels = &self.labels;
         let mut arm = Arm { unknowns, target: &target, reach, labels, pose_and_jacobian };
         let from = match arm.bring(q) {
             Some(found) => {
-                seek.add(found, windings);
-                let regular = |at: Place<S>| at.pivot > S::from_f64(NEARLY_SINGULAR);
-                if seek.was_at(&found.q, unknowns) || arm.place(&found.q).is_some_and(regular) {
+                let pivot = arm.take(found, seek);
+                if seek.was_at(&found.q, unknowns) || pivot > S::from_f64(NEARLY_SINGULAR) {
                     return;
                 }
                 found.q
@@ -168,8 +168,10 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
     #[cold]
     pub(super) fn sought(&self) -> Option<Result<Solutions<N, S>, IkError<S>>> {
         let seek = self.seek.as_ref()?;
-        // Real solutions come and go in pairs.
-        let all = seek.complete || (!seek.found.is_empty() && seek.found.len().is_multiple_of(2));
+        // Real solutions come and go in pairs, one on each side of a singularity.
+        let minus = seek.found.iter().filter(|solution| solution.branch != Branch::PLUS).count();
+        let pairs = minus > 0 && seek.found.len() == 2 * minus;
+        let all = seek.complete || (pairs && !seek.crowded);
         all.then(|| Ok(seek.found.copied()))
     }
 
