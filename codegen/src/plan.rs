@@ -271,7 +271,7 @@ pub enum Step {
     /// pose. Where those are not sure to be all, `otherwise` is done instead.
     Near {
         /// What the two arms are to each other.
-        nearly: Nearly,
+        nearly: Box<Nearly>,
         /// What kind of arm was meant, in the field's words.
         meant: String,
         /// Closed form of the arm that was meant.

@@ -30,7 +30,6 @@ use crate::polish::polish;
 use circuit::Circuit;
 use known::Known;
 pub(crate) use known::same;
-pub(crate) use linear::solve;
 use resultant::Resultant;
 use starts::{PATIENCE, STARTS, starts};
 

@@ -11,6 +11,7 @@ use dh_codegen::verify::Level;
 use dh_codegen::{Output, compile};
 use dh_core::{FULL_POSE, Frame, Kinematics, SolutionSet, Target};
 use dh_runtime::dh_robot;
+use dh_runtime::nalgebra::Matrix6;
 use dh_tests::engine;
 use dh_tests::oracle::Oracle;
 use everything::computed;
@@ -82,20 +83,19 @@ const CLASSES: [(&str, Rows); 4] = [
 ];
 
 /// A table whose numbers are off by up to this much (rad, m).
-fn table(rows: &Rows, off: f64, random: &mut Random) -> String {
-    let mut text = String::from("[robot]\nname = \"Nearly\"\nconvention = \"standard\"\n");
-    for (index, (d, a, quarters)) in rows.iter().enumerate() {
+fn table(rows: &[(f64, f64, f64)], off: f64, random: &mut Random) -> String {
+    let rows = rows.iter().enumerate().map(|(index, (d, a, quarters))| {
         let [theta, d, a, alpha, beta] =
             [0.0, *d, *a, quarters * FRAC_PI_2, 0.0].map(|x| x + off * random.next());
-        text += &format!("\n[[joint]]\noffset = {theta:?}\na = {a:?}\nalpha = {alpha:?}\n");
         // Along nearly parallel axes an offset is Hayati's beta.
-        text += &if *quarters == 0.0 && index < 5 {
-            format!("beta = {beta:?}\n")
+        let along = if *quarters == 0.0 && index < rows.len() - 1 {
+            format!("beta = {beta:?}")
         } else {
-            format!("d = {d:?}\n")
+            format!("d = {d:?}")
         };
-    }
-    text
+        format!("\n[[joint]]\noffset = {theta:?}\na = {a:?}\nalpha = {alpha:?}\n{along}\n")
+    });
+    format!("[robot]\nname = \"Nearly\"\nconvention = \"standard\"\n{}", rows.collect::<String>())
 }
 
 fn frame_of([x, y, z, _]: &[[f64; 4]; 4]) -> Frame {
@@ -136,7 +136,7 @@ fn joints(random: &mut Random, number: usize) -> Vec<f64> {
 }
 
 /// Poses for each table.
-const POSES: usize = 300;
+const POSES: usize = 200;
 
 #[test]
 fn what_a_pose_was_made_from_is_found_by_the_arm_that_was_meant() {
@@ -167,8 +167,7 @@ fn what_a_pose_was_made_from_is_found_by_the_arm_that_was_meant() {
                     assert!(fell || miss < 1e-12, "{class}, {off:e} at {q:?}: misses by {miss:e}\n{text}");
                     nearest = nearest.min(apart(solution.q, &q));
                 }
-                // What the general chain misses next to its singular poses is not lost here.
-                if nearest > 1e-6 && !fell {
+                if nearest > 1e-6 {
                     missed.push((q, answer));
                 }
             }
@@ -197,24 +196,122 @@ fn solutions_are_those_of_the_general_chain() {
             let plans = [output.plan.clone(), general(&output)];
             let programs = plans.each_ref().map(|plan| Program::<f64>::new(&output.model, plan).unwrap());
             let [near, general] = programs.each_ref().map(|program| program.interpreter().unwrap());
-            for _ in 0..100 {
+            for _ in 0..50 {
                 let q: Vec<f64> = (0..6).map(|_| PI * random.next()).collect();
                 let target = Target::Pose(near.fk(&q).unwrap());
                 let mut sets = [SolutionSet::new(), SolutionSet::new()];
-                let mut fell = false;
                 let [ours, theirs] = &mut sets;
-                near.trace_ik(FULL_POSE, &target, &[], None, ours, |event| {
-                    fell |= matches!(event, Event::Stage { stage, .. } if stage.rows == 0b11_1111);
-                })
-                .unwrap();
+                near.ik_into(FULL_POSE, &target, ours).unwrap();
                 general.ik_into(FULL_POSE, &target, theirs).unwrap();
                 for solution in theirs.iter() {
                     let known = ours.iter().any(|own| apart(own.q, solution.q) < 1e-6);
-                    assert!(fell || known, "{class}, {off:e} at {q:?}: {:?} is lost\n{text}", solution.q);
+                    assert!(known, "{class}, {off:e} at {q:?}: {:?} is lost\n{text}", solution.q);
                 }
             }
         }
     }
+}
+
+/// The sign of the determinant of the Jacobian.
+fn is_turned_over(jacobian: &[[f64; 6]]) -> bool {
+    let matrix = Matrix6::from_iterator(jacobian.iter().flatten().copied());
+    matrix.full_piv_lu().determinant() < 0.0
+}
+
+#[test]
+fn branches_are_the_signs_of_the_determinant_by_whatever_way_a_solution_was_found() {
+    let mut random = Random(14);
+    for (class, rows) in &CLASSES {
+        let text = table(rows, 1e-4, &mut random).replacen("offset", "couple = { J2 = -1 }\noffset", 3);
+        let text = text.replacen("couple = { J2 = -1 }\n", "", 2);
+        assert!(text.contains("couple"));
+        let oracle = Oracle::read(&text).unwrap();
+        let output = compiled(&text);
+        assert!(is_near(&output.plan), "{class}");
+        let program = Program::<f64>::new(&output.model, &output.plan).unwrap();
+        let arm = program.interpreter().unwrap();
+        let words = arm.problems()[0].branch;
+        let [determinant] = words else { panic!("{class}: {words:?}") };
+        for number in 0..POSES {
+            let q = joints(&mut random, number);
+            let target = Target::Pose(frame_of(&oracle.fk(&q)));
+            let mut set = SolutionSet::new();
+            arm.ik_into(FULL_POSE, &target, &mut set).unwrap();
+            let found = set.iter().any(|solution| apart(solution.q, &q) < 1e-6);
+            assert!(found, "{class} at {q:?}\n{text}");
+            for solution in set.iter() {
+                let negative = is_turned_over(&oracle.jacobian(solution.q));
+                let minus = solution.branch.is_plus(determinant) == Some(false);
+                assert_eq!(minus, negative, "{class} at {:?}\n{text}", solution.q);
+            }
+        }
+    }
+}
+
+/// A spherical shoulder, an elbow, a spherical wrist: d, a, alpha (m, quarter turns).
+const SEVEN: [(f64, f64, f64); 7] = [
+    (0.36, 0.0, -1.0),
+    (0.0, 0.0, 1.0),
+    (0.42, 0.0, 1.0),
+    (0.0, 0.0, -1.0),
+    (0.4, 0.0, -1.0),
+    (0.0, 0.0, 1.0),
+    (0.126, 0.0, 0.0),
+];
+
+#[test]
+fn nearly_spherical_wrists_behind_seven_joints_are_solved_as_what_was_meant() {
+    let mut random = Random(15);
+    for off in [1e-8, 1e-5] {
+        let text = table(&SEVEN, off, &mut random);
+        let oracle = Oracle::read(&text).unwrap();
+        let output = compiled(&text);
+        assert!(is_near(&output.plan), "{off:e}");
+        let program = Program::<f64>::new(&output.model, &output.plan).unwrap();
+        let arm = program.interpreter().unwrap();
+        let free = arm.problems()[0].free;
+        for _ in 0..POSES {
+            let q: Vec<f64> = (0..7).map(|_| PI * random.next()).collect();
+            let given: Vec<f64> = free.iter().map(|joint| q[*joint]).collect();
+            let target = Target::Pose(frame_of(&oracle.fk(&q)));
+            let mut set = SolutionSet::new();
+            arm.ik_at_into(FULL_POSE, &target, &given, &mut set).unwrap();
+            let found = set.iter().any(|solution| apart(solution.q, &q) < 1e-6);
+            assert!(found, "{off:e} at {q:?}\n{text}");
+        }
+    }
+}
+
+#[test]
+fn single_precision_finds_what_it_can_tell_apart() {
+    let mut random = Random(16);
+    let (mut found, mut asked) = (0, 0);
+    for (class, rows) in &CLASSES {
+        let text = table(rows, 1e-4, &mut random);
+        let oracle = Oracle::read(&text).unwrap();
+        let output = compiled(&text);
+        let program = Program::<f32>::new(&output.model, &output.plan).unwrap();
+        let arm = program.interpreter().unwrap();
+        for _ in 0..POSES {
+            let q: Vec<f64> = (0..6).map(|_| PI * random.next()).collect();
+            let rounded: Vec<f32> = q.iter().map(|x| *x as f32).collect();
+            let target = Target::Pose(arm.fk(&rounded).unwrap());
+            let mut set = SolutionSet::new();
+            arm.ik_into(FULL_POSE, &target, &mut set)
+                .unwrap_or_else(|error| panic!("{class} at {q:?}: {error}"));
+            let exact = oracle.fk(&q);
+            let wide = |q: &[f32]| q.iter().map(|x| f64::from(*x)).collect::<Vec<_>>();
+            for solution in set.iter() {
+                let pose = oracle.fk(&wide(solution.q));
+                let miss = pose.iter().flatten().zip(exact.iter().flatten()).map(|(a, b)| (a - b).abs());
+                let miss = miss.fold(0.0, f64::max);
+                assert!(miss < 5e-3, "{class} at {q:?}: {:?} misses by {miss:e}", solution.q);
+            }
+            found += usize::from(set.iter().any(|solution| apart(&wide(solution.q), &q) < 1e-2));
+            asked += 1;
+        }
+    }
+    assert!(found * 100 >= asked * 99, "{found} of {asked}");
 }
 
 #[test]

@@ -63,12 +63,12 @@ fn function(
     let otherwise = general::function(model, index, problem).ok()?.function;
     let mut function = inverse::function(model, index, problem, derivation, true, constants);
     let gains = gains::of(nominal, &function, &constants.values(), deviation)?;
-    let nearly = Nearly {
+    let nearly = Box::new(Nearly {
         joints: joints(model, problem, &unknowns)?,
         unknowns: unknowns.try_into().ok()?,
         gains: gains.concat(),
         deviation,
-    };
+    });
     // Where a seed matters, the table is solved as it is, and branches are the arm's own.
     function.unknowns = otherwise.unknowns;
     let after = u8::try_from(function.stages.len()).ok()?;
@@ -110,13 +110,7 @@ impl Nearly {
             gains: &self.gains,
             deviation: self.deviation,
             chain: chain.given.is_empty().then_some(exact),
-            mirrored: self.is_mirrored(),
         }
-    }
-
-    /// See [`dh_core::Nearly::mirrored`].
-    pub fn is_mirrored(&self) -> bool {
-        dh_core::Nearly::is_mirrored(&self.joints)
     }
 }
 

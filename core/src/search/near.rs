@@ -11,8 +11,8 @@ mod newton;
 mod seek;
 
 use super::{Roots, Search};
-use crate::frame::{norm, sub};
 use crate::branch::bit_of;
+use crate::frame::{norm, sub};
 use crate::{
     Branch, Float, Frame, GeneralArm, IkError, Polished, Solution, Solutions, Step, Winding, rotation_error,
 };
@@ -33,8 +33,6 @@ pub struct Nearly<'a> {
     pub deviation: f64,
     /// The arm as it is, where all its joints are found.
     pub chain: Option<Exact<'a>>,
-    /// Whether the determinants of the Jacobians by these joints and by those of the arm's chain differ in sign.
-    pub mirrored: bool,
 }
 
 /// A nearly special arm as its table has it.
@@ -75,8 +73,6 @@ struct Labels<'a, S> {
     windings: &'a [Winding<'a, S>],
     /// The step that solves the arm as it is: it comes after those of the closed form.
     step: u8,
-    /// See [`Nearly::mirrored`].
-    mirrored: bool,
 }
 
 impl<S: Float> Labels<'_, S> {
@@ -84,8 +80,7 @@ impl<S: Float> Labels<'_, S> {
     fn solution<const N: usize>(&self, found: &Polished<N, S>, negative: bool) -> Solution<N, S> {
         let Polished { mut q, position_error, rotation_error } = *found;
         crate::rules::wrap_all(self.windings, &mut q);
-        let minus = negative != self.mirrored;
-        let branch = if minus { Branch::of_steps(bit_of(self.step)) } else { Branch::PLUS };
+        let branch = if negative { Branch::of_steps(bit_of(self.step)) } else { Branch::PLUS };
         Solution { q, position_error, rotation_error, free: None, branch }
     }
 }
@@ -107,14 +102,6 @@ const FALSE: f64 = 0.25;
 /// An error (reaches, rad) of so many machine epsilons of the target is none: it comes of rounding in the closed form.
 const MET: f64 = 1e6;
 
-impl Nearly<'_> {
-    /// Whether [`Nearly::mirrored`] holds for joints that are such forms in those of the chain.
-    pub fn is_mirrored(joints: &Forms) -> bool {
-        let mut factors = *joints;
-        crate::general::solve(&mut factors) < 0.0
-    }
-}
-
 impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     /// A new search, see [`Search::new`], for a pose of the tool.
     #[inline]
@@ -130,7 +117,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             seek: None,
             deviation: nearly.deviation,
             chain: nearly.chain,
-            labels: Labels { windings, step: steps(nearly.gains.len()), mirrored: nearly.mirrored },
+            labels: Labels { windings, step: steps(nearly.gains.len()) },
         }
     }
 

@@ -158,9 +158,9 @@ impl<'a> Printer<'a> {
         text.line("    ],");
         let deviation = number(nearly.deviation, super::ScalarType::F64, &self.paths);
         text.line(format!("    deviation: {deviation},"));
-        text.line(format!("    mirrored: {},", nearly.is_mirrored()));
         let [some, none] = ["Some", "None"].map(|name| self.paths.prelude(name));
-        let given = otherwise.iter().any(|step| matches!(step, Step::General { given, .. } if !given.is_empty()));
+        let given =
+            otherwise.iter().any(|step| matches!(step, Step::General { given, .. } if !given.is_empty()));
         if given {
             text.line(format!("    chain: {none},"));
         } else {

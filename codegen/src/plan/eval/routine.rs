@@ -86,7 +86,7 @@ pub(super) struct General {
 /// The closed form of the arm that a nearly special one was meant to be, and what is done where it isn't sure.
 #[derive(Debug, Clone)]
 pub(super) struct Near {
-    pub(super) nearly: Nearly,
+    pub(super) nearly: Box<Nearly>,
     pub(super) body: Vec<Instruction>,
     pub(super) otherwise: Vec<Instruction>,
 }

@@ -5,8 +5,8 @@ use super::routine::{self, General, Instruction, Kernel, Register, Routine, Solv
 use super::trace::Event;
 use crate::plan::Function;
 use dh_core::{
-    Candidates, Condition, Float, Frame, IkError, MAX_JOINTS, Near, Roots, Search, Solutions, Target,
-    Wanted, Winding, residual_tolerance,
+    Candidates, Condition, Float, Frame, IkError, MAX_JOINTS, Near, Roots, Search, Solutions, Target, Wanted,
+    Winding, residual_tolerance,
 };
 
 /// The registers of one run. Register numbers were checked when the function was lowered.
@@ -118,7 +118,7 @@ pub(super) struct Inverse<'r, S, F> {
 /// By which kernels steps are solved, or what has come of it.
 pub(super) enum Searching<'w, S> {
     Exact(Search<'w, MAX_JOINTS, S>),
-    Near(Near<'w, MAX_JOINTS, S>),
+    Near(Box<Near<'w, MAX_JOINTS, S>>),
     Done(Result<Solutions<MAX_JOINTS, S>, IkError<S>>),
 }
 
@@ -259,7 +259,7 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
         });
         let Some(chain) = chain else { return };
         let nearly = near.nearly.of(chain);
-        self.search = Searching::Near(Near::new(self.reach, self.windings, &nearly, target));
+        self.search = Searching::Near(Box::new(Near::new(self.reach, self.windings, &nearly, target)));
         while let Searching::Near(search) = &mut self.search
             && let Some(asked) = search.next_pose()
         {
@@ -267,12 +267,11 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
             self.block(&near.body, registers);
         }
         let Searching::Near(search) = &mut self.search else { return };
-        match search.finish() {
-            Some(answer) => self.search = Searching::Done(answer),
-            None => {
-                self.search = Searching::Exact(search.otherwise(self.wanted));
-                self.block(&near.otherwise, registers);
-            }
+        if let Some(answer) = search.finish() {
+            self.search = Searching::Done(answer);
+        } else {
+            self.search = Searching::Exact(search.otherwise(self.wanted));
+            self.block(&near.otherwise, registers);
         }
     }
 

@@ -24,7 +24,9 @@ pub(super) fn of(
     let mut gains = greatest(nominal, function, constants)?;
     for row in &mut gains {
         row.iter_mut().take(1).for_each(|gain| *gain *= SAFETY * deviation);
-        row.iter_mut().for_each(|gain| *gain = rounded_up(*gain));
+        for gain in row {
+            *gain = rounded_up(*gain);
+        }
     }
     Some(gains)
 }

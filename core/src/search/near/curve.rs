@@ -8,7 +8,7 @@ use crate::polish::{Polished, polish};
 use crate::{Float, Frame, Solution};
 
 /// A candidate whose error (reaches, rad) Newton's method doesn't bring below this is none.
-const FOUND: f64 = 1e-10;
+const FOUND: f64 = 1e-12;
 
 /// Damped steps at most.
 const STEPS: usize = 24;
@@ -112,7 +112,7 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
                 next.idle = next.idle.map(|part| -part);
             }
             let [last, size] = [&at.missing, &next.missing].map(|missing| dot(missing, missing).sqrt());
-            if !(size <= S::from_f64(AWAY)) {
+            if size.is_nan() || size > S::from_f64(AWAY) {
                 return false;
             }
             if dot(&at.missing, &next.missing) < S::ZERO {
@@ -159,4 +159,27 @@ fn may_vanish<S: Float>([before, least, after]: [S; 3]) -> bool {
 
 fn dot<S: Float>(a: &[S; UNKNOWNS], b: &[S; UNKNOWNS]) -> S {
     a.iter().zip(b).fold(S::ZERO, |sum, (a, b)| sum + *a * *b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{apart, may_vanish};
+
+    #[test]
+    fn a_parabola_that_comes_near_to_0_may_have_two_roots() {
+        assert!(may_vanish([0.3, 0.01, 1.0]), "its vertex is below 0");
+        assert!(!may_vanish([1.1, 1.0, 1.1]));
+        assert!(may_vanish([1.0, 1e-7, 1.0]), "it touches 0");
+    }
+
+    #[test]
+    fn whole_turns_are_no_distance() {
+        let unknowns = [0, 1, 2, 3, 4, 5];
+        let q = [0.1, -0.2, 3.1, 0.0, 1.0, -3.0];
+        let turned = q.map(|x| x + core::f64::consts::TAU);
+        assert!(apart(&q, &turned, &unknowns) < 1e-12);
+        let mut other = turned;
+        other[5] -= 0.25;
+        assert!((apart(&q, &other, &unknowns) - 0.25_f64).abs() < 1e-12);
+    }
 }

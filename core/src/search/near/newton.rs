@@ -47,8 +47,7 @@ pub(super) fn solve<const N: usize, S: Float>(
         let small = S::from_f64(SMALL) * S::EPSILON;
         let slow = error > S::from_f64(CONVERGES) * last;
         if error <= rounding || (error <= small && slow) {
-            let found =
-                Polished { q, position_error: at.position_error, rotation_error: at.rotation_error };
+            let found = Polished { q, position_error: at.position_error, rotation_error: at.rotation_error };
             return Some((found, negative.unwrap_or_else(|| at.solution().1)));
         }
         if slow || error.is_nan() {

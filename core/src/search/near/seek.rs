@@ -117,7 +117,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
                 position_error: S::from_f64(norm(sub(tip.translation, pose.translation))),
                 rotation_error: S::from_f64(crate::rotation_error(&pose.rotation, &tip.rotation)),
             };
-            let negative = six.is_turned_over(values, 0) != self.labels.mirrored;
+            let negative = six.is_turned_over(values, 0);
             seek.add(self.labels.solution(&found, negative), self.search.windings);
         });
         seek.complete = sure && !seek.found.is_empty();
@@ -226,7 +226,7 @@ fn aside(number: u32, deviation: f64) -> [f64; 6] {
         3 => libm::sqrt(half * FARTHEST),
         _ => FARTHEST,
     };
-    let size = if number % 2 == 0 { size } else { -size };
+    let size = if number.is_multiple_of(2) { size } else { -size };
     let mut power = f64::from(pair + 1);
     [0; 6].map(|_| {
         power *= INVERSE;
