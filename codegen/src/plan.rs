@@ -13,11 +13,13 @@ pub(crate) mod fixtures;
 mod forward;
 mod general;
 mod inverse;
+mod near;
 mod schedule;
 mod unknowns;
 
 pub use general::GeneralChain;
 pub use inverse::Unsolved;
+pub use near::Nearly;
 
 /// Every function that the robot has, and the problems that have none.
 pub fn build(model: &crate::model::Model) -> (Plan, Vec<Unsolved>) {
@@ -174,8 +176,8 @@ pub struct Form {
 impl Function {
     /// Whether a stage has roots to choose from whose sign is no part of a solution's branch.
     pub fn is_unsigned(&self, stage: usize) -> bool {
-        let choice = self.stages.get(stage).is_some_and(|stage| stage.plus.is_some()) || self.is_searched();
-        choice && !self.branch.iter().any(|bit| usize::from(bit.step) == stage)
+        let choice = self.stages.get(stage).is_some_and(|stage| stage.plus.is_some());
+        (choice || self.searches(stage)) && !self.branch.iter().any(|bit| usize::from(bit.step) == stage)
     }
 
     /// The sign of a stage's root in words: "elbow + where a2 s3 > 0, else -".
@@ -185,6 +187,15 @@ impl Function {
             Some(plus) => format!("{bit} + where {plus}, else -"),
             None => format!("{bit} + or -: that of the Jacobian, which several solutions may share"),
         })
+    }
+
+    /// Whether a stage finds all joints at once.
+    fn searches(&self, stage: usize) -> bool {
+        let steps = match self.steps.as_slice() {
+            [Step::Near { otherwise, .. }] => otherwise,
+            steps => steps,
+        };
+        steps.iter().any(|step| matches!(step, Step::General { stage: at, .. } if *at == stage))
     }
 
     /// Whether its solutions are all searched for at once, without a closed form.
@@ -255,6 +266,18 @@ pub enum Step {
         roots: Vec<ValueId>,
         /// What follows for each solution.
         body: Vec<Step>,
+    },
+    /// The arm that a nearly special one was meant to be: candidates of `body` are solutions of that one, brought to the
+    /// pose. Where those are not sure to be all, `otherwise` is done instead.
+    Near {
+        /// What the two arms are to each other.
+        nearly: Box<Nearly>,
+        /// What kind of arm was meant, in the field's words.
+        meant: String,
+        /// Closed form of the arm that was meant.
+        body: Vec<Step>,
+        /// The arm as it is.
+        otherwise: Vec<Step>,
     },
     /// A candidate: the joint variables q, one a joint (not yet wrapped into (-pi, pi], nor checked).
     Accept {

@@ -184,22 +184,12 @@ impl SixJoints<'_> {
     ///
     /// Solutions are joint values (rad, m).
     pub fn solve(&self, pose: &Frame, mut found: impl FnMut(&[f64; JOINTS])) -> Outcome {
-        let mut outcome = Outcome::UNKNOWN;
         let mut known = Known::new(self.prismatic, ONE);
-        let mut doubtful = self.charts.is_empty();
-        for chart in self.charts {
-            let this = self.solve_in(*chart, pose, &mut |solution| {
-                known.insert(solution);
-                found(solution);
-            });
-            doubtful |= this.doubtful;
-            outcome = outcome.and(this);
-            // That there is no solution is believed where all charts say so.
-            if !this.doubtful && known.len() > 0 {
-                return outcome;
-            }
-        }
-        if !doubtful {
+        let (mut outcome, sure) = self.solve_plainly(pose, |solution| {
+            known.insert(solution);
+            found(solution);
+        });
+        if sure {
             return outcome;
         }
         // Where the equations degenerate at this very pose, those of poses on both sides of it don't.
@@ -245,6 +235,30 @@ impl SixJoints<'_> {
             }
         }
         outcome
+    }
+
+    /// The same by one choice of joints after the other, until one has no doubt. Says whether one had none, or all found
+    /// nothing.
+    pub(crate) fn solve_plainly(
+        &self,
+        pose: &Frame,
+        mut found: impl FnMut(&[f64; JOINTS]),
+    ) -> (Outcome, bool) {
+        let mut outcome = Outcome::UNKNOWN;
+        let (mut any, mut doubtful) = (false, self.charts.is_empty());
+        for chart in self.charts {
+            let this = self.solve_in(*chart, pose, &mut |solution| {
+                any = true;
+                found(solution);
+            });
+            doubtful |= this.doubtful;
+            outcome = outcome.and(this);
+            // That there is no solution is believed where all charts say so.
+            if !this.doubtful && any {
+                return (outcome, true);
+            }
+        }
+        (outcome, !doubtful)
     }
 
     /// The same by one choice of joints.

@@ -114,7 +114,7 @@ impl<const N: usize, T, S: Float> State<N, T, S> {
 
 /// The axis of the turn from one orientation to another, as long as the sine of its angle; for more than a quarter turn
 /// as long as 2 minus that, so that half a turn does not look like none.
-fn turn<S: Float>(from: &Frame<S>, to: &Frame<S>) -> [S; 3] {
+pub(crate) fn turn<S: Float>(from: &Frame<S>, to: &Frame<S>) -> [S; 3] {
     let [[ax, bx, cx], [ay, by, cy], [az, bz, cz]] = from.rotation;
     let [[dx, ex, fx], [dy, ey, fy], [dz, ez, fz]] = to.rotation;
     let columns = [([ax, ay, az], [dx, dy, dz]), ([bx, by, bz], [ex, ey, ez]), ([cx, cy, cz], [fx, fy, fz])];

@@ -4,6 +4,7 @@
 mod conditions;
 mod free;
 mod general;
+mod near;
 mod polynomial;
 mod pose;
 mod quartic;
@@ -12,6 +13,7 @@ mod trigonometric;
 
 pub use conditions::Condition;
 pub use general::Candidates;
+pub use near::{Exact, Forms, Near, Nearly};
 pub use quartic::QuarticRoots;
 pub use roots::Roots;
 
@@ -119,8 +121,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         let tolerance: S = residual_tolerance();
         let hits = position_error <= tolerance * self.reach && rotation_error <= tolerance;
         if !(hits && q.iter().all(|value| value.is_finite())) {
-            let miss = (position_error / self.reach).max(rotation_error);
-            self.fail(DEPTH_OF_MISSED, miss, IkError::Failed { position_error, rotation_error });
+            self.miss(position_error, rotation_error);
             return;
         }
         let mut q = q;
@@ -129,6 +130,12 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         self.accepted += 1;
         let branch = self.branch();
         self.solutions.push(Solution { q, position_error, rotation_error, free, branch }, self.windings);
+    }
+
+    /// Drops a candidate that misses its target by so much (m, rad).
+    fn miss(&mut self, position_error: S, rotation_error: S) {
+        let miss = (position_error / self.reach).max(rotation_error);
+        self.fail(DEPTH_OF_MISSED, miss, IkError::Failed { position_error, rotation_error });
     }
 
     /// The roots that the steps solved last have taken.

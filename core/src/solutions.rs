@@ -91,6 +91,15 @@ impl<const N: usize, S: Float> Solutions<N, S> {
         self.append(solution);
     }
 
+    /// Adds a solution; says whether it is another than those that are there, whole turns aside.
+    pub(crate) fn append_new(&mut self, solution: Solution<N, S>, windings: &[Winding<'_, S>]) -> bool {
+        let new = !self
+            .iter()
+            .any(|known| !differ(&known.q, &solution.q, windings) && same(&known.q, &solution.q, windings));
+        self.append(solution);
+        new
+    }
+
     /// Whether these joint values are there, whole turns aside.
     pub(crate) fn contains(&self, q: &[S; N], windings: &[Winding<'_, S>]) -> bool {
         self.iter().any(|known| same(&known.q, q, windings))
@@ -188,6 +197,16 @@ impl<const N: usize, S: Float> Solutions<N, S> {
 /// The square of the joint travel from `a` to `b`.
 pub(crate) fn travel<S: Float>(a: &[S], b: &[S]) -> S {
     a.iter().zip(b).fold(S::ZERO, |sum, (a, b)| sum + (*a - *b) * (*a - *b))
+}
+
+/// Whether a joint differs that no other joint's whole turns move, by more than rounding and less than a turn of its own.
+fn differ<const N: usize, S: Float>(a: &[S; N], b: &[S; N], windings: &[Winding<'_, S>]) -> bool {
+    windings.iter().all(|winding| winding.carries.is_empty())
+        && windings.iter().any(|winding| {
+            let (a, b) = (a.get(winding.joint), b.get(winding.joint));
+            let apart = a.zip(b).map_or(S::ZERO, |(a, b)| (*a - *b).abs());
+            apart > S::from_f64(DUPLICATE) * S::SQRT_EPSILON && apart + apart <= winding.turn
+        })
 }
 
 /// Whether two sets of joint values are the same but for whole turns.

@@ -5,6 +5,7 @@ use dh_codegen::compile;
 use dh_codegen::model::geometry::RelationKind;
 use dh_codegen::model::{Geometry, JointKind, Model};
 use dh_codegen::verify::Level;
+use std::path::Path;
 
 pub type Vector = [f64; 3];
 
@@ -28,8 +29,11 @@ fn dot(a: Vector, b: Vector) -> f64 {
 
 impl Axes {
     pub fn of(table: &str, fk: impl Fn(&[f64; 6]) -> Matrix) -> Self {
-        let text = dh_robots::table(table).expect("a shipped table");
-        let model = compile(text, Level::Quick).output.expect("without mistakes").model;
+        let text = dh_robots::table(table).map_or_else(
+            || std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(table)).expect("a table"),
+            str::to_owned,
+        );
+        let model = compile(&text, Level::Quick).output.expect("without mistakes").model;
         let geometry = model.geometry();
         assert!(
             geometry.axes.len() == 6 && geometry.axes.iter().all(|axis| axis.kind == JointKind::Revolute)

@@ -166,6 +166,8 @@ arms! {
         ]
     };
     "ur5" Ur5: |_, axes| vec![geo("three_parallel_two_intersecting")(axes)];
+    "../../tests/near/ur5_tilted.toml" Ur5Tilted: |_, _| Vec::new();
+    "../../tests/near/puma560_rounded.toml" Puma560Rounded: |_, _| Vec::new();
     "crx10ia_l" Crx10IaL: |_, axes| vec![Box::new(Crx::new()), geo("two_parallel")(axes)];
     "jaco2" Jaco2: |_, axes| vec![geo("two_parallel")(axes)];
     "manocha_canny" ManochaCanny: |_, axes| vec![geo("two_intersecting")(axes)];

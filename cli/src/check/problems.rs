@@ -58,15 +58,31 @@ fn given(robot: &Robot, function: &Function) -> String {
 
 /// By which method.
 fn way(function: &Function) -> &'static str {
+    if near(function).is_some() {
+        return "as the arm that was meant, corrected";
+    }
     match general(&function.steps) {
         Some(_) => "by a polynomial in one joint",
         None => "in closed form",
     }
 }
 
+/// What kind of arm was meant, where a nearly special one is solved as that.
+fn near(function: &Function) -> Option<&str> {
+    match function.steps.as_slice() {
+        [Step::Near { meant, .. }] => Some(meant),
+        _ => None,
+    }
+}
+
 /// What of the geometry, or of the problem, makes that the way.
 fn why(robot: &Robot, function: &Function) -> String {
     let model = robot.model();
+    if let Some(meant) = near(function) {
+        return format!(
+            "solved as {meant}; each solution is brought to the table as written by Newton's method; near singular poses also from poses around, and by a polynomial in one joint"
+        );
+    }
     let problem = match function.kind {
         FunctionKind::Inverse(Some(index)) => model.problems.get(index),
         _ => None,
@@ -107,7 +123,7 @@ fn general(steps: &[Step]) -> Option<u8> {
     steps.iter().find_map(|step| match step {
         Step::General { chain, .. } => chain.charts.first().map(dh_core::Chart::degree_of_turn),
         Step::Solve { body, .. } => general(body),
-        _ => None,
+        Step::Near { .. } | Step::Let { .. } | Step::SinCos { .. } | Step::Accept { .. } => None,
     })
 }
 
@@ -168,6 +184,10 @@ fn roots(steps: &[Step]) -> Vec<usize> {
                 found.push((2 * degree).min(MAX_SOLUTIONS));
                 found.extend(roots(body));
             }
+            Step::Near { body, otherwise, .. } => {
+                found.extend(roots(body));
+                found.extend(roots(otherwise));
+            }
             _ => {}
         }
     }
@@ -176,5 +196,10 @@ fn roots(steps: &[Step]) -> Vec<usize> {
 
 /// How many branches the solution has.
 fn branches(function: &Function) -> usize {
-    roots(&function.steps).into_iter().product()
+    match function.steps.as_slice() {
+        [Step::Near { body, .. }] => roots(body),
+        steps => roots(steps),
+    }
+    .into_iter()
+    .product()
 }

@@ -45,6 +45,10 @@ impl Function {
                     }
                     self.walk(body, model, constants, dimensions);
                 }
+                Step::Near { body, otherwise, .. } => {
+                    self.walk(body, model, constants, dimensions);
+                    self.walk(otherwise, model, constants, dimensions);
+                }
                 Step::SinCos { .. } | Step::Accept { .. } => {}
             }
         }

@@ -27,7 +27,7 @@ use dh_core::{
 };
 use filter::Filter;
 use routine::Routine;
-use run::{Inverse, Registers};
+use run::{Inverse, Registers, Searching};
 
 /// A plan, checked and lowered to instructions on scalars of type `S`.
 #[derive(Debug, Clone)]
@@ -142,7 +142,9 @@ impl<'m, S: Float> Program<'m, S> {
             reach,
             filters: problem.and_then(|problem| self.filters.get(problem)).map_or(&[], Vec::as_slice),
             observer,
-            search: Search::about(reach, windings, &wanted),
+            windings,
+            wanted: &wanted,
+            search: Searching::Exact(Search::about(reach, windings, &wanted)),
         };
         run.run(&mut registers);
         Some(run.search.finish())

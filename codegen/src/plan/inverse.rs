@@ -1,5 +1,6 @@
 //! Plans of the inverse functions: one nested step an unknown.
 
+use super::near;
 use super::schedule::{Constants, Scheduler};
 use super::unknowns;
 use super::{Equation, Function, FunctionKind, Measure, Scalar, Stage, Step};
@@ -32,7 +33,10 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
             Ok((problem, derivation)) => {
                 functions.push(function(model, None, &problem, &derivation, true, constants));
             }
-            Err(refusal) => unsolved.push(Unsolved { problem: None, refusal }),
+            Err(refusal) => match near::full_pose(model, constants) {
+                Some(function) => functions.push(function),
+                None => unsolved.push(Unsolved { problem: None, refusal }),
+            },
         }
     }
     let pose = (!named && excess == 0).then(|| (None, full_pose(Vec::new())));
@@ -46,7 +50,7 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
         });
         let at = same.unwrap_or_else(|| {
             let derivation = inverse_kinematics::derive(model, &problem);
-            derived.push((problem, derivation));
+            derived.push((problem.clone(), derivation));
             derived.len() - 1
         });
         match derived.get(at) {
@@ -56,7 +60,14 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
                 functions.push(function(model, index, problem, derivation, polish, constants));
             }
             Some((_, Err(refusal))) => {
-                unsolved.push(Unsolved { problem: index, refusal: refusal.clone() });
+                let near = match index {
+                    Some(index) => near::problem(model, index, &problem, constants),
+                    None => near::full_pose(model, constants),
+                };
+                match near {
+                    Some(function) => functions.push(function),
+                    None => unsolved.push(Unsolved { problem: index, refusal: refusal.clone() }),
+                }
             }
             None => {}
         }
@@ -70,10 +81,21 @@ const FEW_BRANCHES: usize = 8;
 /// The full pose of an arm with one joint too many: with that joint left to the caller which leaves the fewest
 /// branches, of equal ones the one that takes the greatest part in the self-motion.
 fn redundant(model: &Model) -> Result<(Problem, Derivation), Refusal> {
+    least(model, redundancy::joints(model).into_iter().map(|joint| vec![joint]))
+}
+
+/// The full pose with those of some joints left to the caller (all of one entry) that leave the fewest branches.
+///
+/// # Errors
+/// Why there is none.
+pub(super) fn least(
+    model: &Model,
+    free: impl IntoIterator<Item = Vec<usize>>,
+) -> Result<(Problem, Derivation), Refusal> {
     let mut best: Option<(Problem, Derivation)> = None;
     let mut refused = Refusal::NoClosedForm;
-    for joint in redundancy::joints(model) {
-        let problem = full_pose(vec![joint]);
+    for free in free {
+        let problem = full_pose(free);
         match inverse_kinematics::derive(model, &problem) {
             Ok(derivation) => {
                 let branches = derivation.branches();
@@ -103,7 +125,7 @@ pub(super) fn full_pose(free: Vec<usize>) -> Problem {
     }
 }
 
-fn function(
+pub(super) fn function(
     model: &Model,
     index: Option<usize>,
     problem: &Problem,

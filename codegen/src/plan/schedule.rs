@@ -33,6 +33,11 @@ impl Constants {
         constants
     }
 
+    /// What they are.
+    pub(super) fn values(&self) -> Vec<f64> {
+        self.list.iter().map(|constant| constant.value).collect()
+    }
+
     /// All of them, in the order in which they were met.
     pub(super) fn into_list(self) -> Vec<Constant> {
         self.list

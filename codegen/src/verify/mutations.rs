@@ -16,6 +16,10 @@ fn scalars<'p>(steps: &'p mut [Step], found: &mut Vec<&'p mut Scalar>) {
                 found.extend(given);
                 scalars(body, found);
             }
+            Step::Near { body, otherwise, .. } => {
+                scalars(body, found);
+                scalars(otherwise, found);
+            }
             Step::Accept { q, tool, .. } => {
                 found.extend(q);
                 found.extend(tool);

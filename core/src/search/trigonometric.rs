@@ -206,6 +206,12 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         Roots::angle([sine * cos + cosine * sin, cosine * cos - sine * sin])
     }
 
+    /// [`Search::unreachable`] for a step whose scale isn't at hand.
+    pub(super) fn unreachable_by(&mut self, step: Step, excess: S, h: S) -> Roots<S> {
+        let scale = self.begin(step);
+        self.unreachable(step, excess, h, &scale)
+    }
+
     /// `excess` is in the dimension of the equation, whose coefficients have size `h`.
     fn unreachable(&mut self, step: Step, excess: S, h: S, scale: &Scale<S>) -> Roots<S> {
         let (excess, miss) =
@@ -222,7 +228,7 @@ fn size<S: Float>(a: S, b: S) -> S {
 
 /// The angles whose cosine and sine are (a c ∓ b r, b c ± a r) times `factor`, in this order: a sin - b cos is ± r.
 #[inline]
-fn both<S: Float>(a: S, b: S, c: S, r: S, factor: S) -> Roots<S> {
+pub(super) fn both<S: Float>(a: S, b: S, c: S, r: S, factor: S) -> Roots<S> {
     let (along, across) = (a * c * factor, b * c * factor);
     let (turned, back) = (b * r * factor, a * r * factor);
     Roots::angles([across + back, along - turned], [across - back, along + turned], b == S::ZERO)

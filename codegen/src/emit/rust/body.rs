@@ -4,7 +4,7 @@ use super::expression::Leaves;
 use super::layout::{Expression, statement};
 use super::liveness::{Live, coefficients};
 use super::names::Names;
-use super::text::Text;
+use super::text::{Text, clean};
 use crate::plan::{Equation, Function, FunctionKind, Scalar, Stage, Step, ValueId};
 
 /// A function under print.
@@ -16,6 +16,10 @@ pub(super) struct Body<'a> {
     pub(super) stages: &'a [String],
     /// Name of the constant that holds the chain of a function without a closed form.
     pub(super) chain: &'a str,
+    /// Name of the constant that says how nearly special the arm is.
+    pub(super) nearly: &'a str,
+    /// Names of the constants that every search needs.
+    pub(super) search: [&'a str; 2],
 }
 
 /// What an inverse function comes to.
@@ -31,6 +35,7 @@ pub(super) struct Locals {
     pub(super) values: Vec<String>,
     pub(super) stages: Vec<String>,
     pub(super) chain: String,
+    pub(super) nearly: String,
 }
 
 impl Locals {
@@ -45,7 +50,8 @@ impl Locals {
         let mut names = scope.clone();
         let stages = function.stages.iter().map(|stage| names.constant(&stage.unknown)).collect();
         let chain = names.constant("chain");
-        Self { values, stages, chain }
+        let nearly = names.constant("nearly");
+        Self { values, stages, chain, nearly }
     }
 }
 
@@ -72,20 +78,7 @@ impl Body<'_> {
                     }
                     let call = self.kernel(*stage, equation);
                     text.laid_out(&statement(text.indent(), "let mut roots =", &call, ";"));
-                    let next_angle = match equation {
-                        Equation::Quartic { .. } => "next_of_quartic",
-                        _ => "next_angle",
-                    };
-                    let (found, next) = match (equation, sin_cos) {
-                        (Equation::Linear { .. } | Equation::Quadratic { .. }, _) => {
-                            (self.name(*root).to_owned(), "next")
-                        }
-                        (_, Some([sin, cos])) => {
-                            let names = [*root, *sin, *cos].map(|id| self.name(id));
-                            (format!("({})", names.join(", ")), next_angle)
-                        }
-                        (_, None) => (format!("({}, _, _)", self.name(*root)), next_angle),
-                    };
+                    let (found, next) = self.found(equation, *root, *sin_cos);
                     let some = self.leaves.paths.prelude("Some");
                     text.line(format!("while let {some}({found}) = search.{next}(&mut roots) {{"));
                     let mut nested = Text::indented(text.indent() / 4 + 1);
@@ -120,8 +113,68 @@ impl Body<'_> {
                     text.append(&nested.into_string());
                     text.line("}");
                 }
+                Step::Near { meant, body, otherwise, .. } => {
+                    text.gap();
+                    let meant = format!(
+                        "The arm that was meant: {}. Its solutions are brought to the pose.",
+                        clean(meant)
+                    );
+                    text.paragraph("//", &meant);
+                    let near = self.leaves.paths.runtime("Near");
+                    let ([reach, windings], nearly) = (self.search, self.nearly);
+                    text.line(format!(
+                        "let mut search = {near}::new({reach}, &{windings}, &{nearly}, &pose);"
+                    ));
+                    let some = self.leaves.paths.prelude("Some");
+                    text.line(format!("while let {some}(asked) = search.next_pose() {{"));
+                    let mut nested = Text::indented(text.indent() / 4 + 1);
+                    let rows: Vec<_> = (0..12).map(|i| self.name(ValueId(i))).collect();
+                    nested.line(format!("let [{}] = asked.rows();", rows.join(", ")));
+                    self.steps(&mut nested, body, accept);
+                    text.append(&nested.into_string());
+                    text.line("}");
+                    text.line(format!("if let {some}(answer) = search.finish() {{"));
+                    text.line("    return answer;");
+                    text.line("}");
+                    text.gap();
+                    text.paragraph("//", "Where those may not be all, the arm as it is.");
+                    let target = self.leaves.paths.runtime("Target");
+                    text.line(format!("let target = {target}::Pose(pose);"));
+                    text.line("let mut search = search.otherwise(&wanted);");
+                    self.steps(text, otherwise, accept);
+                }
                 Step::Accept { q, tool, polish } => accept(text, &Candidate { q, tool, polish: *polish }),
             }
+        }
+    }
+
+    /// A new search, by one of its constructors.
+    pub(super) fn search(&self, [kind, constructor]: [&str; 2], more: &str) -> String {
+        let [reach, windings] = self.search;
+        let kind = self.leaves.paths.runtime(kind);
+        format!("let mut search = {kind}::{constructor}({reach}, &{windings}, &{more});")
+    }
+
+    /// What a root is bound to, and which method of the search gives the next one.
+    fn found(
+        &self,
+        equation: &Equation,
+        root: ValueId,
+        sin_cos: Option<[ValueId; 2]>,
+    ) -> (String, &'static str) {
+        let next = match equation {
+            Equation::Linear { .. } | Equation::Quadratic { .. } => {
+                return (self.name(root).to_owned(), "next");
+            }
+            Equation::Quartic { .. } => "next_of_quartic",
+            _ => "next_angle",
+        };
+        match sin_cos {
+            Some([sin, cos]) => {
+                let names = [root, sin, cos].map(|id| self.name(id));
+                (format!("({})", names.join(", ")), next)
+            }
+            None => (format!("({}, _, _)", self.name(root)), next),
         }
     }
 

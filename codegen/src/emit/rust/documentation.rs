@@ -5,7 +5,7 @@ use super::text::{clean, escaped, wrapped};
 use crate::model::{
     AngleUnit, Convention, JointKind, LengthUnit, Limits, Model, Placement, Rotation, Row, Units,
 };
-use crate::plan::{Counts, Function};
+use crate::plan::{Counts, Function, Step};
 
 /// Columns of an equation in documentation.
 const EQUATION_WIDTH: usize = 80;
@@ -70,6 +70,16 @@ pub(super) fn stages(function: &Function) -> Option<String> {
     }
     lines.push("```".to_owned());
     (!function.stages.is_empty()).then(|| lines.join("\n"))
+}
+
+/// How a nearly special arm is solved.
+pub(super) fn meant(function: &Function) -> Option<String> {
+    let [Step::Near { meant, .. }] = function.steps.as_slice() else { return None };
+    Some(format!(
+        "Solved as the arm that was meant ({}); each solution is brought to the pose by Newton's method on the table as \
+         written. Near singular poses, poses around are solved as well, or the last step below solves the table as it is.",
+        clean(meant)
+    ))
 }
 
 /// Unit of joint values: "rad", "m" or both.

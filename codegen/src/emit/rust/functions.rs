@@ -125,6 +125,8 @@ impl<'a> Printer<'a> {
             live: Live::of(function, self.plan.constants.len()),
             stages: &locals.stages,
             chain: &locals.chain,
+            nearly: &locals.nearly,
+            search: [self.private("REACH"), self.private("WINDINGS")],
         }
     }
 

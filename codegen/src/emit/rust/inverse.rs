@@ -7,7 +7,9 @@ use super::names::function_suffix;
 use super::number::{self, number};
 use super::text::{Text, clean};
 use crate::model::{Filter, JointKind, Problem, Row, Target};
-use crate::plan::{Form, Function, FunctionKind, GeneralChain, Measure, Scalar, Stage, Step, ValueId};
+use crate::plan::{
+    Form, Function, FunctionKind, GeneralChain, Measure, Nearly, Scalar, Stage, Step, ValueId,
+};
 use dh_core::FULL_POSE;
 
 impl<'a> Printer<'a> {
@@ -37,11 +39,7 @@ impl<'a> Printer<'a> {
             let unsigned = if function.is_unsigned(index) { ".unsigned()" } else { "" };
             lines.line(self.stage(index, stage, name, unsigned));
         }
-        for step in &function.steps {
-            if let Step::General { chain, .. } = step {
-                self.chain(&mut lines, &locals.chain, chain);
-            }
-        }
+        self.arms(&mut lines, &function.steps, &locals);
         lines.gap();
         let (numbers, free) = input_patterns(function, problem, &body);
         let source = if polishes(&function.steps) {
@@ -52,19 +50,17 @@ impl<'a> Printer<'a> {
             lines.line(format!("let target = target.validate_as({kind})?;"));
             "target.numbers().array()"
         };
-        if let Some(numbers) = numbers {
+        let near = matches!(function.steps[..], [Step::Near { .. }]);
+        if let (Some(numbers), false) = (numbers, near) {
             lines.line(format!("let {numbers} = {source};"));
         }
         if let Some(free) = &free {
             lines.line(format!("let {free} = *free;"));
         }
         self.wanted(&mut lines, function);
-        lines.line(format!(
-            "let mut search = {}::about({}, &{}, &wanted);",
-            self.paths.runtime("Search"),
-            self.private("REACH"),
-            self.private("WINDINGS")
-        ));
+        if !near {
+            lines.line(body.search(["Search", "about"], "wanted"));
+        }
         body.steps(&mut lines, &function.steps, &|text, candidate| {
             self.accept(text, candidate, problem, &body);
         });
@@ -129,6 +125,63 @@ impl<'a> Printer<'a> {
         format!("const {name}: {step} = {step}::new({index}, 0b{rows}, {prismatic}, {measure}){unsigned};")
     }
 
+    /// What some steps need to know of the arm.
+    fn arms(&self, text: &mut Text, steps: &[Step], locals: &Locals) {
+        for step in steps {
+            match step {
+                Step::General { chain, .. } => self.chain(text, &locals.chain, chain),
+                Step::Near { nearly, otherwise, .. } => {
+                    self.nearly(text, locals, nearly, otherwise);
+                    self.arms(text, otherwise, locals);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// What a nearly special arm is to the one that was meant.
+    fn nearly(&self, text: &mut Text, locals: &Locals, nearly: &Nearly, otherwise: &[Step]) {
+        let (name, chain) = (&locals.nearly, &locals.chain);
+        let ty = self.paths.runtime("Nearly");
+        text.line("#[rustfmt::skip]");
+        text.line(format!("const {name}: {ty}<'static> = {ty} {{"));
+        text.line(format!("    unknowns: {:?},", nearly.unknowns));
+        text.line(
+            "    // What each step is off by: by the deviation; by earlier unknowns that are off by 1.",
+        );
+        text.line("    gains: &[");
+        let (mut gains, mut length) = (nearly.gains.as_slice(), 1);
+        while let Some((row, rest)) = gains.split_at_checked(length).filter(|(row, _)| !row.is_empty()) {
+            let row = row.iter().map(|gain| number(*gain, super::ScalarType::F64, &self.paths));
+            text.line(format!("        {},", row.collect::<Vec<_>>().join(", ")));
+            (gains, length) = (rest, length + 1);
+        }
+        text.line("    ],");
+        let deviation = number(nearly.deviation, super::ScalarType::F64, &self.paths);
+        text.line(format!("    deviation: {deviation},"));
+        let [some, none] = ["Some", "None"].map(|name| self.paths.prelude(name));
+        let given =
+            otherwise.iter().any(|step| matches!(step, Step::General { given, .. } if !given.is_empty()));
+        if given {
+            text.line(format!("    chain: {none},"));
+        } else {
+            text.line(format!("    chain: {some}({} {{", self.paths.runtime("Exact")));
+            text.line(format!("        arm: {chain},"));
+            text.line("        // Each joint as a form in those of the chain: six factors and a constant.");
+            text.line("        joints: [");
+            for form in &nearly.joints {
+                let form = form.iter().map(|x| {
+                    let size = number(x.abs(), super::ScalarType::F64, &self.paths);
+                    if *x < 0.0 { format!("-{size}") } else { size }
+                });
+                text.line(format!("            [{}],", form.collect::<Vec<_>>().join(", ")));
+            }
+            text.line("        ],");
+            text.line("    }),");
+        }
+        text.line("};");
+    }
+
     /// The chain of a function without a closed form: f64 whatever the scalar, for its polynomials need the digits.
     fn chain(&self, text: &mut Text, name: &str, chain: &GeneralChain) {
         let list = |items: Vec<Expression>| Expression::Array(items).flat();
@@ -181,7 +234,9 @@ impl<'a> Printer<'a> {
             "&tool"
         };
         if candidate.polish {
-            text.line(format!("search.accept_pose(q, {tool}, &pose, pose_and_jacobian);"));
+            let near = matches!(body.function.steps[..], [Step::Near { .. }]);
+            let target = if near { "" } else { "&pose, " };
+            text.line(format!("search.accept_pose(q, {tool}, {target}pose_and_jacobian);"));
             return;
         }
         let tool = Expression::Atom(tool.to_owned());
@@ -319,6 +374,7 @@ fn polishes(steps: &[Step]) -> bool {
     steps.iter().any(|step| match step {
         Step::Solve { body, .. } | Step::General { body, .. } => polishes(body),
         Step::Accept { polish, .. } => *polish,
+        Step::Near { .. } => true,
         Step::Let { .. } | Step::SinCos { .. } => false,
     })
 }

@@ -1,7 +1,7 @@
 //! Inverse functions as methods: every solution, those that limits allow, those nearest to a seed.
 
 use super::Printer;
-use super::documentation::{joint_units, operations, stages};
+use super::documentation::{joint_units, meant, operations, stages};
 use super::inverse::{allow_case, free_count, private_name, suffix, target_of};
 use super::layout::{Expression, statement};
 use super::targets::Arguments;
@@ -73,6 +73,7 @@ impl Printer<'_> {
         ];
         paragraphs.extend(free.map(|_| self.free_joints(function)));
         paragraphs.extend(problem.and_then(conditions));
+        paragraphs.extend(meant(function));
         if let Some(stages) = stages(function) {
             paragraphs.push("Solved one after the other:".to_owned());
             paragraphs.push(stages);

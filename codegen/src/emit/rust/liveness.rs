@@ -56,6 +56,10 @@ impl Live {
                         self.mark(scalar);
                     }
                 }
+                Step::Near { body, otherwise, .. } => {
+                    self.mark_steps(otherwise);
+                    self.mark_steps(body);
+                }
                 Step::Accept { q, tool, .. } => q.iter().chain(tool).for_each(|scalar| self.mark(scalar)),
             }
         }

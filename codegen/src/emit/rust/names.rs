@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 /// What the printer itself calls things inside a generated function, and what it calls there.
-const OURS: [&str; 24] = [
+const OURS: [&str; 25] = [
     "q",
     "target",
     "search",
@@ -27,6 +27,7 @@ const OURS: [&str; 24] = [
     "free",
     "unknowns",
     "wanted",
+    "asked",
     "candidates",
 ];
 

@@ -109,17 +109,32 @@ impl Derivation<'_, '_, '_> {
                     self.stage(*stage, *root, equation, &definitions);
                     self.steps(body);
                 }
-                Step::General { stage, body, .. } => {
-                    if let Some(stage) = self.function.stages.get(*stage) {
+                Step::General { stage: index, body, .. } => {
+                    if let Some(stage) = self.function.stages.get(*index) {
                         self.text.gap();
-                        self.text.line(1, &format!("Step 1: all joints, by {}", stage.unknown));
+                        self.text.line(1, &format!("Step {}: all joints, by {}", index + 1, stage.unknown));
                         self.text.line(2, &stage.equation);
                         self.text.line(2, &format!("({})", stage.origin));
                         self.text
                             .line(2, "up to 16 solutions; each is brought to the pose by Newton's method");
-                        self.text.lines(2, self.function.sign(0).as_slice());
+                        self.text.lines(2, self.function.sign(*index).as_slice());
                     }
                     self.steps(body);
+                }
+                Step::Near { meant, body, otherwise, .. } => {
+                    self.text.gap();
+                    self.text.line(1, &format!("The arm that was meant ({meant}):"));
+                    self.steps(body);
+                    self.text.gap();
+                    self.text.line(
+                        1,
+                        "Each solution is brought to the pose by Newton's method on the table as written.",
+                    );
+                    self.text.line(
+                        1,
+                        "Near singular poses the same at poses around, and where that may not be all:",
+                    );
+                    self.steps(otherwise);
                 }
                 Step::Accept { q, .. } => self.joints(q),
             }

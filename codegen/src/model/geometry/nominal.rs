@@ -5,6 +5,9 @@ use super::super::{Angle, Convention, Model, Row};
 use super::{EXACT, Geometry, NEARLY_PARALLEL, Relation, RelationKind};
 use core::f64::consts::PI;
 
+/// How many times as far.
+const AS_FAR: f64 = 8.0;
+
 /// The neighbour of a nearly special arm in which what was near is exact.
 ///
 /// Its rows, joints, couplings and frames are those of the arm, with other numbers; q means the same in both, up to
@@ -49,10 +52,29 @@ impl Model {
                 make_meet(&mut model, &geometry, relation);
             }
         }
+        straighten(&mut model, &geometry, self.reach());
         let after = model.geometry();
         let gained = after.exact().count() > geometry.exact().count();
         let changes = changes(&self.rows, &model.rows);
         gained.then_some(Nominal { model, geometry: after, changes })
+    }
+}
+
+/// Twists that are as near to a multiple of 15 degrees as other numbers are to what was meant, or a few times as far,
+/// become one.
+fn straighten(model: &mut Model, geometry: &Geometry, reach: f64) {
+    let off = |relation: &Relation| match relation.kind {
+        RelationKind::Parallel => relation.off,
+        _ => relation.off / if reach > 0.0 { reach } else { 1.0 },
+    };
+    let most = geometry.near().map(off).fold(0.0, f64::max);
+    for row in &mut model.rows {
+        for angle in [&mut row.alpha, &mut row.beta] {
+            let straight = straightened(*angle);
+            if (angle.value - straight.value).abs() <= AS_FAR * most {
+                *angle = straight;
+            }
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Steps and scalars of a plan as instructions over registers, each reference checked.
 
 use super::error::PlanError;
-use super::routine::{General, Instruction, Kernel, Register, Solve};
+use super::routine::{General, Instruction, Kernel, Near, Register, Solve};
 use crate::plan::{Equation, Function, FunctionKind, Plan, Scalar, Step, ValueId};
 use dh_core::Float;
 
@@ -81,6 +81,17 @@ impl<S: Float> Lowering<'_, S> {
                 self.defined = outside;
                 let general = General { stage: *stage, chain: chain.clone(), given, roots: slots, body };
                 code.push(Instruction::General(Box::new(general)));
+            }
+            Step::Near { nearly, body, otherwise, .. } => {
+                self.inverse_only()?;
+                let [body, otherwise] = [body, otherwise].map(|steps| {
+                    let outside = self.defined.clone();
+                    let steps = self.steps(steps, depth + 1);
+                    self.defined = outside;
+                    steps
+                });
+                let near = Near { nearly: nearly.clone(), body: body?, otherwise: otherwise? };
+                code.push(Instruction::Near(Box::new(near)));
             }
             Step::Accept { q, tool, polish } => {
                 self.inverse_only()?;

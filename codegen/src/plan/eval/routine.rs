@@ -6,7 +6,7 @@
 use super::error::PlanError;
 use super::lowering::Lowering;
 use crate::model::{JointKind, Model, Target};
-use crate::plan::{Function, FunctionKind, GeneralChain, Measure, Plan, Stage, target_inputs};
+use crate::plan::{Function, FunctionKind, GeneralChain, Measure, Nearly, Plan, Stage, target_inputs};
 use dh_core::Float;
 
 /// Number of a register.
@@ -52,6 +52,7 @@ pub(super) enum Instruction {
     Named(Register),
     Solve(Box<Solve>),
     General(Box<General>),
+    Near(Box<Near>),
     /// A candidate: the registers of q, and of the tool frame where there are any.
     Accept {
         q: Vec<Register>,
@@ -80,6 +81,14 @@ pub(super) struct General {
     pub(super) given: Vec<Register>,
     pub(super) roots: Vec<Register>,
     pub(super) body: Vec<Instruction>,
+}
+
+/// The closed form of the arm that a nearly special one was meant to be, and what is done where it isn't sure.
+#[derive(Debug, Clone)]
+pub(super) struct Near {
+    pub(super) nearly: Box<Nearly>,
+    pub(super) body: Vec<Instruction>,
+    pub(super) otherwise: Vec<Instruction>,
 }
 
 /// Which numeric kernel solves an equation, with the registers of its coefficients.

@@ -1,10 +1,13 @@
 //! Running a lowered function.
 
 use super::filter::Filter;
-use super::routine::{General, Instruction, Kernel, Register, Routine, Solve};
+use super::routine::{self, General, Instruction, Kernel, Register, Routine, Solve};
 use super::trace::Event;
 use crate::plan::Function;
-use dh_core::{Condition, Float, Frame, MAX_JOINTS, QuarticRoots, Roots, Search, Target, residual_tolerance};
+use dh_core::{
+    Candidates, Condition, Float, Frame, IkError, MAX_JOINTS, Near, QuarticRoots, Roots, Search, Solutions,
+    Target, Wanted, Winding, residual_tolerance,
+};
 
 /// The registers of one run. Register numbers were checked when the function was lowered.
 pub(super) struct Registers<S>(Vec<S>);
@@ -24,6 +27,10 @@ impl<S: Float> Registers<S> {
 
     fn set(&mut self, register: Register, value: S) {
         self.0[register] = value;
+    }
+
+    fn set_first(&mut self, values: [S; 12]) {
+        self.0.iter_mut().zip(values).for_each(|(slot, value)| *slot = value);
     }
 
     fn all<const N: usize>(&self, registers: [Register; N]) -> [S; N] {
@@ -47,6 +54,7 @@ impl<S: Float> Registers<S> {
             Instruction::Named(_)
             | Instruction::Solve(_)
             | Instruction::General(_)
+            | Instruction::Near(_)
             | Instruction::Accept { .. } => {}
         }
     }
@@ -87,7 +95,7 @@ pub(super) fn frame<S: Float>(outputs: &[Register], registers: &Registers<S>) ->
 }
 
 /// What an inverse run needs besides its own function.
-pub(super) struct Inverse<'r, 'w, S, F> {
+pub(super) struct Inverse<'r, S, F> {
     pub(super) routine: &'r Routine<S>,
     pub(super) names: &'r Function,
     /// Forward kinematics, which judges every candidate.
@@ -101,17 +109,108 @@ pub(super) struct Inverse<'r, 'w, S, F> {
     /// The problem's `where`.
     pub(super) filters: &'r [Filter<S>],
     pub(super) observer: F,
-    pub(super) search: Search<'w, MAX_JOINTS, S>,
+    pub(super) windings: &'r [Winding<'r, S>],
+    /// Where the target leaves unknowns free.
+    pub(super) wanted: &'r Wanted<MAX_JOINTS, S>,
+    pub(super) search: Searching<'r, S>,
 }
 
-impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
+/// By which kernels steps are solved, or what has come of it.
+pub(super) enum Searching<'w, S> {
+    Exact(Search<'w, MAX_JOINTS, S>),
+    Near(Box<Near<'w, MAX_JOINTS, S>>),
+    Done(Result<Solutions<MAX_JOINTS, S>, IkError<S>>),
+}
+
+impl<S: Float> Searching<'_, S> {
+    pub(super) fn finish(self) -> Result<Solutions<MAX_JOINTS, S>, IkError<S>> {
+        match self {
+            Self::Exact(mut search) => search.finish(),
+            Self::Near(_) => Err(IkError::NotFinite),
+            Self::Done(answer) => answer,
+        }
+    }
+
+    fn roots(&mut self, step: dh_core::Step, equation: Kernel, registers: &Registers<S>) -> Found<S> {
+        if let Kernel::Quartic(forms, right) = equation {
+            let forms = forms.map(|form| registers.all(form));
+            // Nearly special arms do without.
+            return match self {
+                Self::Exact(search) => Found::Four(search.quartic(step, forms, registers.get(right))),
+                Self::Near(_) | Self::Done(_) => Found::Two(Roots::NONE),
+            };
+        }
+        macro_rules! solved {
+            ($search:expr) => {
+                match equation {
+                    Kernel::Trig(coefficients) => {
+                        let [a, b, c] = registers.all(coefficients);
+                        $search.trig(step, a, b, c)
+                    }
+                    Kernel::TrigUnit(row, others) => {
+                        $search.trig_unit(step, registers.all(row), registers.all(others))
+                    }
+                    Kernel::TrigPair(first, second) => {
+                        $search.trig_pair(step, registers.all(first), registers.all(second))
+                    }
+                    Kernel::Linear(coefficients) => {
+                        let [a, c] = registers.all(coefficients);
+                        $search.linear(step, a, c)
+                    }
+                    Kernel::Quadratic(coefficients) => {
+                        let [a, b, c] = registers.all(coefficients);
+                        $search.quadratic(step, a, b, c)
+                    }
+                    Kernel::Quartic(..) => Roots::NONE,
+                }
+            };
+        }
+        Found::Two(match self {
+            Self::Exact(search) => solved!(search),
+            Self::Near(near) => solved!(near),
+            Self::Done(_) => Roots::NONE,
+        })
+    }
+
+    fn next_candidate(&mut self, candidates: &mut Candidates<S>) -> Option<[S; 6]> {
+        match self {
+            Self::Exact(search) => search.next_candidate(candidates),
+            Self::Near(_) | Self::Done(_) => None,
+        }
+    }
+
+    fn next(&mut self, roots: &mut Roots<S>) -> Option<S> {
+        match self {
+            Self::Exact(search) => search.next(roots),
+            Self::Near(near) => near.next(roots),
+            Self::Done(_) => None,
+        }
+    }
+
+    fn next_of_quartic(&mut self, roots: &mut QuarticRoots<S>) -> Option<(S, S, S)> {
+        match self {
+            Self::Exact(search) => search.next_of_quartic(roots),
+            Self::Near(_) | Self::Done(_) => None,
+        }
+    }
+
+    fn next_angle(&mut self, roots: &mut Roots<S>) -> Option<(S, S, S)> {
+        match self {
+            Self::Exact(search) => search.next_angle(roots),
+            Self::Near(near) => near.next_angle(roots),
+            Self::Done(_) => None,
+        }
+    }
+}
+
+impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
     /// Runs the function: every candidate ends in the search.
     pub(super) fn run(&mut self, registers: &mut Registers<S>) {
         let routine = self.routine;
         self.block(&routine.code, registers);
     }
 
-    fn block(&mut self, code: &[Instruction], registers: &mut Registers<S>) {
+    fn block(&mut self, code: &'r [Instruction], registers: &mut Registers<S>) {
         for instruction in code {
             match instruction {
                 Instruction::Named(register) => {
@@ -119,19 +218,20 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
                 }
                 Instruction::Solve(solve) => self.solve(solve, registers),
                 Instruction::General(general) => self.general(general, registers),
+                Instruction::Near(near) => self.near(near, registers),
                 Instruction::Accept { q, tool, polish } => self.accept(q, tool, *polish, registers),
                 other => registers.compute(other),
             }
         }
     }
 
-    fn solve(&mut self, solve: &Solve, registers: &mut Registers<S>) {
+    fn solve(&mut self, solve: &'r Solve, registers: &mut Registers<S>) {
         let (Some(step), Some(stage)) =
             (self.routine.stages.get(solve.stage), self.names.stages.get(solve.stage))
         else {
             return;
         };
-        let mut roots = self.roots(*step, solve.equation, registers);
+        let mut roots = self.search.roots(*step, solve.equation, registers);
         let count = match &roots {
             Found::Two(roots) => roots.len(),
             Found::Four(roots) => roots.len(),
@@ -147,14 +247,15 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
         (self.observer)(Event::Done { stage: solve.stage });
     }
 
-    fn general(&mut self, general: &General, registers: &mut Registers<S>) {
+    fn general(&mut self, general: &'r General, registers: &mut Registers<S>) {
         let (Some(step), Some(stage)) =
             (self.routine.stages.get(general.stage), self.names.stages.get(general.stage))
         else {
             return;
         };
         let given: Vec<S> = general.given.iter().map(|register| registers.get(*register)).collect();
-        let mut candidates = self.search.general(*step, &general.chain.arm(), self.target, &given);
+        let Searching::Exact(search) = &mut self.search else { return };
+        let mut candidates = search.general(*step, &general.chain.arm(), self.target, &given);
         (self.observer)(Event::Stage { index: general.stage, stage, roots: candidates.len() });
         let mut number = 0;
         while let Some(values) = self.search.next_candidate(&mut candidates) {
@@ -167,6 +268,30 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
             number += 1;
         }
         (self.observer)(Event::Done { stage: general.stage });
+    }
+
+    fn near(&mut self, near: &'r routine::Near, registers: &mut Registers<S>) {
+        let Target::Pose(target) = self.target else { return };
+        let chain = near.otherwise.iter().find_map(|instruction| match instruction {
+            Instruction::General(general) => Some(&general.chain),
+            _ => None,
+        });
+        let Some(chain) = chain else { return };
+        let nearly = near.nearly.of(chain);
+        self.search = Searching::Near(Box::new(Near::new(self.reach, self.windings, &nearly, target)));
+        while let Searching::Near(search) = &mut self.search
+            && let Some(asked) = search.next_pose()
+        {
+            registers.set_first(asked.rows());
+            self.block(&near.body, registers);
+        }
+        let Searching::Near(search) = &mut self.search else { return };
+        if let Some(answer) = search.finish() {
+            self.search = Searching::Done(answer);
+        } else {
+            self.search = Searching::Exact(search.otherwise(self.wanted));
+            self.block(&near.otherwise, registers);
+        }
     }
 
     /// The next root, in its registers.
@@ -188,33 +313,6 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
         Some(root)
     }
 
-    fn roots(&mut self, step: dh_core::Step, equation: Kernel, registers: &Registers<S>) -> Found<S> {
-        Found::Two(match equation {
-            Kernel::Trig(coefficients) => {
-                let [a, b, c] = registers.all(coefficients);
-                self.search.trig(step, a, b, c)
-            }
-            Kernel::TrigUnit(row, others) => {
-                self.search.trig_unit(step, registers.all(row), registers.all(others))
-            }
-            Kernel::TrigPair(first, second) => {
-                self.search.trig_pair(step, registers.all(first), registers.all(second))
-            }
-            Kernel::Linear(coefficients) => {
-                let [a, c] = registers.all(coefficients);
-                self.search.linear(step, a, c)
-            }
-            Kernel::Quadratic(coefficients) => {
-                let [a, b, c] = registers.all(coefficients);
-                self.search.quadratic(step, a, b, c)
-            }
-            Kernel::Quartic(forms, right) => {
-                let forms = forms.map(|form| registers.all(form));
-                return Found::Four(self.search.quartic(step, forms, registers.get(right)));
-            }
-        })
-    }
-
     fn accept(&mut self, candidate: &[Register], tool: &[Register], polish: bool, registers: &Registers<S>) {
         let mut q = [S::ZERO; MAX_JOINTS];
         q.iter_mut().zip(candidate).for_each(|(q, register)| *q = registers.get(*register));
@@ -228,11 +326,15 @@ impl<S: Float, F: FnMut(Event<'_, S>)> Inverse<'_, '_, S, F> {
         (self.observer)(Event::Candidate { q: joints, position_error, rotation_error, kept });
         if let (Target::Pose(target), Some(both), true) = (self.target, self.both, polish) {
             let dof = self.dof;
-            self.search
-                .accept_pose(q, &tool, target, |q| pose_and_jacobian(both, q.get(..dof).unwrap_or_default()));
-            return;
+            let exact = |q: &[S; MAX_JOINTS]| pose_and_jacobian(both, q.get(..dof).unwrap_or_default());
+            match &mut self.search {
+                Searching::Exact(search) => search.accept_pose(q, &tool, target, exact),
+                Searching::Near(near) => near.accept_pose(q, &tool, exact),
+                Searching::Done(_) => {}
+            }
+        } else if let Searching::Exact(search) = &mut self.search {
+            search.accept_where(q, position_error, rotation_error, &conditions);
         }
-        self.search.accept_where(q, position_error, rotation_error, &conditions);
     }
 }
 

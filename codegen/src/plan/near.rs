@@ -1,0 +1,231 @@
+//! Functions of nearly special arms: the closed form of the arm that was meant, corrected; the general chain where that is
+//! not sure to find everything.
+
+mod gains;
+
+use super::schedule::Constants;
+use super::{Function, GeneralChain, Scalar, Step, ValueId, general, inverse};
+use crate::model::product;
+use crate::model::{self, JointKind, Model, Problem};
+use crate::symbolic::inverse_kinematics::{self, Begins, Derivation, Stage, StageEquation};
+use crate::symbolic::redundancy;
+use dh_core::{BranchBit, Forms, Frame, rotation_error};
+
+/// At how many joint vectors the two arms are compared.
+const SAMPLES: usize = 256;
+
+/// Arms whose tool frames are farther apart (reaches, rad) are too far for bounds that are proportional to it.
+const FARTHEST: f64 = 1e-2;
+
+/// The full pose by the nearly special arm's nominal one; `None` where there is none, or none with a closed form.
+pub(super) fn full_pose(model: &Model, constants: &mut Constants) -> Option<Function> {
+    let nominal = model.nominal()?.model;
+    let excess = model.joints.len().checked_sub(model::Target::Pose.rows())?;
+    let free: Vec<Vec<usize>> = match excess {
+        0 => vec![Vec::new()],
+        1 => redundancy::joints(&nominal).into_iter().map(|joint| vec![joint]).collect(),
+        _ => return None,
+    };
+    let (problem, derivation) = inverse::least(&nominal, free).ok()?;
+    function(model, &nominal, None, &problem, &derivation, constants)
+}
+
+/// A problem of the table (an index into `Model::problems`) that prescribes the full pose.
+pub(super) fn problem(
+    model: &Model,
+    index: usize,
+    problem: &Problem,
+    constants: &mut Constants,
+) -> Option<Function> {
+    let left = model.joints.len().checked_sub(problem.free.len())?;
+    if !problem.is_whole_pose() || left != model::Target::Pose.rows() {
+        return None;
+    }
+    let nominal = model.nominal()?.model;
+    let derivation = inverse_kinematics::derive(&nominal, problem).ok()?;
+    function(model, &nominal, Some(index), problem, &derivation, constants)
+}
+
+fn function(
+    model: &Model,
+    nominal: &Model,
+    index: Option<usize>,
+    problem: &Problem,
+    derivation: &Derivation,
+    constants: &mut Constants,
+) -> Option<Function> {
+    // What is sure of the kernels' roots isn't known of four, nor of steps that begin between two joints.
+    let quartic = |stage: &Stage| matches!(stage.equation, StageEquation::Quartic(..));
+    if derivation.begins == Begins::Between || derivation.stages.iter().any(quartic) {
+        return None;
+    }
+    let unknowns: Vec<usize> =
+        (0..model.joints.len()).filter(|joint| !problem.free.contains(joint)).collect();
+    let deviation = deviation(model, nominal);
+    if deviation > FARTHEST {
+        return None;
+    }
+    let otherwise = general::function(model, index, problem).ok()?.function;
+    let mut function = inverse::function(model, index, problem, derivation, true, constants);
+    let gains = gains::of(nominal, &function, &constants.values(), deviation)?;
+    let nearly = Box::new(Nearly {
+        joints: joints(model, problem, &unknowns)?,
+        unknowns: unknowns.try_into().ok()?,
+        gains: gains.concat(),
+        deviation,
+    });
+    // Where a seed matters, the table is solved as it is, and branches are the arm's own.
+    function.unknowns = otherwise.unknowns;
+    let after = u8::try_from(function.stages.len()).ok()?;
+    function.branch =
+        otherwise.branch.into_iter().map(|bit| BranchBit { step: bit.step + after, ..bit }).collect();
+    let behind = Behind {
+        inputs: function.inputs,
+        values: function.values.len() - function.inputs,
+        stages: function.stages.len(),
+    };
+    let body = std::mem::take(&mut function.steps);
+    function.values.extend(otherwise.values.into_iter().skip(function.inputs));
+    function.stages.extend(otherwise.stages);
+    let otherwise = behind.steps(otherwise.steps);
+    let meant = nominal.geometry().class();
+    function.steps = vec![Step::Near { nearly, meant, body, otherwise }];
+    Some(function)
+}
+
+/// What a nearly special arm is to the one that was meant, as [`dh_core::Nearly`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Nearly {
+    /// The joints that are found (indices of q).
+    pub unknowns: [usize; 6],
+    /// See [`dh_core::Nearly::gains`].
+    pub gains: Vec<f64>,
+    /// See [`dh_core::Nearly::deviation`].
+    pub deviation: f64,
+    /// See [`dh_core::Exact::joints`].
+    pub joints: Forms,
+}
+
+impl Nearly {
+    /// As the numeric kernel takes it, with the arm as it is.
+    pub fn of<'a>(&'a self, chain: &'a GeneralChain) -> dh_core::Nearly<'a> {
+        let exact = dh_core::Exact { arm: chain.arm(), joints: self.joints };
+        dh_core::Nearly {
+            unknowns: self.unknowns,
+            gains: &self.gains,
+            deviation: self.deviation,
+            chain: chain.given.is_empty().then_some(exact),
+        }
+    }
+}
+
+/// The joints that are found as forms in those of the chain: a factor each and a constant.
+fn joints(model: &Model, problem: &Problem, unknowns: &[usize]) -> Option<Forms> {
+    let chain = inverse_kinematics::general::chain(model, problem).ok()?;
+    let found: Vec<usize> = (0..chain.joints.len()).filter(|place| is_found(&chain, *place)).collect();
+    let forms: Option<Vec<[f64; 7]>> = unknowns
+        .iter()
+        .map(|joint| {
+            let q = chain.q.get(*joint)?;
+            let mut form = [0.0; 7];
+            for (place, factor) in &q.terms {
+                // What is given is not known before the arm is asked.
+                let at = found.iter().position(|other| other == place);
+                *form.get_mut(at.unwrap_or(6))? += factor;
+            }
+            form[6] = q.constant;
+            Some(form)
+        })
+        .collect();
+    forms?.try_into().ok()
+}
+
+fn is_found(chain: &inverse_kinematics::general::General, place: usize) -> bool {
+    chain.joints.get(place).is_some_and(|joint| joint.given.is_none())
+}
+
+/// How far apart the tool frames of two arms are at the same joint values (reaches, rad), at most.
+fn deviation(model: &Model, nominal: &Model) -> f64 {
+    let reach = model.reach();
+    let mut most = 0.0_f64;
+    for sample in 0..SAMPLES {
+        let q = joint_vector(model, sample);
+        let [one, other] = [model, nominal].map(|model| frame(&product::frames(model, &q).tool));
+        let away = one.translation.iter().zip(other.translation).map(|(a, b)| (a - b) * (a - b));
+        let away = away.sum::<f64>().sqrt() / if reach > 0.0 { reach } else { 1.0 };
+        most = most.max(away).max(rotation_error(&one.rotation, &other.rotation));
+    }
+    most
+}
+
+/// Any irrational steps will do.
+fn joint_vector(model: &Model, sample: usize) -> Vec<f64> {
+    let rows = model.joints.iter().filter_map(|row| model.rows.get(*row)).enumerate();
+    rows.map(|(joint, row)| {
+        let phase =
+            (0.754_877_666 * sample as f64 + 0.618_033_989 * joint as f64 * (sample as f64 + 0.5)).fract();
+        match row.kind {
+            JointKind::Revolute => (phase - 0.5) * std::f64::consts::TAU,
+            JointKind::Prismatic => {
+                let reach = model.reach();
+                let (from, to) = row.limits.map_or((-reach, reach), |limits| (limits.min, limits.max));
+                from + (to - from) * phase
+            }
+        }
+    })
+    .collect()
+}
+
+fn frame(rows: &product::Matrix) -> Frame {
+    Frame { rotation: rows.map(|[a, b, c, _]| [a, b, c]), translation: rows.map(|[_, _, _, p]| p) }
+}
+
+/// Where the values and stages of one function come behind those of another.
+struct Behind {
+    inputs: usize,
+    values: usize,
+    stages: usize,
+}
+
+impl Behind {
+    fn steps(&self, steps: Vec<Step>) -> Vec<Step> {
+        steps.into_iter().map(|step| self.step(step)).collect()
+    }
+
+    fn step(&self, step: Step) -> Step {
+        match step {
+            Step::General { stage, chain, given, roots, body } => Step::General {
+                stage: stage + self.stages,
+                chain,
+                given: self.scalars(given),
+                roots: roots.into_iter().map(|root| self.value(root)).collect(),
+                body: self.steps(body),
+            },
+            Step::Accept { q, tool, polish } => {
+                Step::Accept { q: self.scalars(q), tool: self.scalars(tool), polish }
+            }
+            other => other,
+        }
+    }
+
+    fn value(&self, id: ValueId) -> ValueId {
+        if id.0 < self.inputs { id } else { ValueId(id.0 + self.values) }
+    }
+
+    fn scalars(&self, scalars: Vec<Scalar>) -> Vec<Scalar> {
+        scalars.into_iter().map(|scalar| self.scalar(scalar)).collect()
+    }
+
+    fn scalar(&self, scalar: Scalar) -> Scalar {
+        let of = |x: Box<Scalar>| Box::new(self.scalar(*x));
+        match scalar {
+            Scalar::Value(id) => Scalar::Value(self.value(id)),
+            Scalar::Neg(x) => Scalar::Neg(of(x)),
+            Scalar::Add(x, y) => Scalar::Add(of(x), of(y)),
+            Scalar::Sub(x, y) => Scalar::Sub(of(x), of(y)),
+            Scalar::Mul(x, y) => Scalar::Mul(of(x), of(y)),
+            Scalar::Div(x, y) => Scalar::Div(of(x), of(y)),
+            number => number,
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! Where the closed form is not sure to find everything: it is asked for poses all around the target as well.
+//!
+//! Joint values that bring the arm as it is to the target bring the one that was meant to a pose near by. Where its closed
+//! form is singular at the target, it is not at most of these; roots that have met at the target part on one side of it.
+
+use super::curve::{Arm, STRIDE, apart};
+use super::{Exact, Near, UNKNOWNS};
+use crate::frame::{norm, sub};
+use crate::polish::Polished;
+use crate::search::Search;
+use crate::{Branch, Float, Frame, IkError, Solution, Solutions, Wanted, Winding, rotation_error};
+
+/// What has been found at poses around the target.
+#[derive(Debug, Clone)]
+pub(super) struct Seek<const N: usize, S> {
+    /// The pose that is asked for.
+    pose: Frame<S>,
+    /// How many were.
+    asked: u32,
+    /// Of them, those since the last that led to something new.
+    idle: u32,
+    found: Solutions<N, S>,
+    /// Whether that is all, as the general chain says.
+    complete: bool,
+    /// Whether one is so nearly singular that others may be beside it.
+    pub(super) crowded: bool,
+    /// Solutions from which curves were followed, or to which.
+    walked: [[S; N]; PLACES],
+    places: usize,
+}
+
+/// So many poses in a row that lead to nothing new are the last.
+const PATIENCE: u32 = 7;
+
+/// But no more than this.
+const MOST: u32 = 200;
+
+/// How far off (reaches, rad) the farthest are; the nearest are as far off as the arm is.
+const FARTHEST: f64 = 4e-2;
+const NEAREST: f64 = 1e-6;
+
+/// How many distances there are.
+const DISTANCES: u32 = 5;
+
+/// A candidate that misses the pose asked for by more than this (reaches, rad) is a false root.
+const HOPELESS: f64 = 1e-3;
+
+/// So many solutions on curves are remembered; they are one where they are no farther apart than this (rad, reaches).
+const PLACES: usize = 16;
+const SAME: f64 = 1e-5;
+
+/// Where Newton's method does not converge, curves are followed at so many poses.
+const FOLLOWED: u32 = 5;
+
+/// Where a pivot is this small, solutions may be near to each other.
+const NEARLY_SINGULAR: f64 = 0.03;
+
+impl<const N: usize, S: Float> Near<'_, N, S> {
+    /// The next pose to be asked for: first the target itself, then others in opposite pairs.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn next_neighbour(&mut self) -> Option<Frame<S>> {
+        let target = self.target;
+        if self.seek.is_none() {
+            self.seek = Some(self.ask());
+        }
+        let seek = self.seek.as_mut()?;
+        if seek.complete {
+            return None;
+        }
+        let number = seek.asked;
+        seek.asked += 1;
+        seek.idle += 1;
+        if seek.idle > PATIENCE || seek.asked > MOST {
+            return None;
+        }
+        if number > 0 {
+            let [x, y, z, roll, pitch, yaw] = aside(number - 1, self.deviation).map(S::from_f64);
+            let reach = self.search.reach;
+            let step = Frame::from_rpy([x * reach, y * reach, z * reach], [roll, pitch, yaw]);
+            seek.pose = target.compose(&step);
+        }
+        self.search = Search::new(self.search.reach, self.search.windings);
+        Some(seek.pose)
+    }
+
+    /// What the general chain finds as long as its doubts cost nothing.
+    fn ask(&self) -> Seek<N, S> {
+        let target = &self.target;
+        let mut seek = Seek {
+            pose: *target,
+            asked: 0,
+            idle: 0,
+            found: Solutions::EMPTY,
+            complete: false,
+            crowded: false,
+            walked: [[S::ZERO; N]; PLACES],
+            places: 0,
+        };
+        let Some(Exact { arm, joints }) = &self.chain else { return seek };
+        let Some(six) = arm.six(&[]) else { return seek };
+        let pose = Frame {
+            rotation: target.rotation.map(|row| row.map(Float::to_f64)),
+            translation: target.translation.map(Float::to_f64),
+        };
+        let (_, sure) = six.solve_plainly(&pose, |values| {
+            let tip = six.tip(values);
+            let mut q = [S::ZERO; N];
+            for (joint, [factors @ .., constant]) in self.unknowns.iter().zip(joints) {
+                let value = factors.iter().zip(values).fold(*constant, |sum, (factor, x)| sum + factor * x);
+                if let Some(slot) = q.get_mut(*joint) {
+                    *slot = S::from_f64(value);
+                }
+            }
+            let found = Polished {
+                q,
+                position_error: S::from_f64(norm(sub(tip.translation, pose.translation))),
+                rotation_error: S::from_f64(crate::rotation_error(&pose.rotation, &tip.rotation)),
+            };
+            let negative = six.is_turned_over(values, 0);
+            seek.add(self.labels.solution(&found, negative), self.search.windings);
+        });
+        seek.complete = sure && !seek.found.is_empty();
+        seek
+    }
+
+    /// A candidate for the pose that is asked for.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn seek_from(
+        &mut self,
+        q: [S; N],
+        tool: &Frame<S>,
+        pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+    ) {
+        let Some(seek) = &mut self.seek else { return };
+        let (reach, target) = (self.search.reach, self.target);
+        let position_error = norm(sub(tool.translation, seek.pose.translation));
+        let rotation_error = rotation_error(&seek.pose.rotation, &tool.rotation);
+        self.search.accept(q, position_error, rotation_error);
+        let hopeless = S::from_f64(HOPELESS);
+        if !(position_error <= hopeless * reach && rotation_error <= hopeless) {
+            return;
+        }
+        let unknowns = &self.unknowns;
+        let labels = &self.labels;
+        let mut arm = Arm { unknowns, target: &target, reach, labels, pose_and_jacobian };
+        let from = match arm.bring(q) {
+            Some(found) => {
+                let pivot = arm.take(found, seek);
+                if seek.was_at(&found.q, unknowns) || pivot > S::from_f64(NEARLY_SINGULAR) {
+                    return;
+                }
+                found.q
+            }
+            None if seek.asked <= FOLLOWED => q,
+            None => return,
+        };
+        // There may be others on the curve along which the tool hardly moves.
+        for side in [S::ONE, -S::ONE] {
+            if arm.walk(from, side * S::from_f64(STRIDE), 1, seek) {
+                break;
+            }
+        }
+    }
+
+    /// What was found, where nothing speaks against its being all.
+    #[cold]
+    pub(super) fn sought(&self) -> Option<Result<Solutions<N, S>, IkError<S>>> {
+        let seek = self.seek.as_ref()?;
+        // Real solutions come and go in pairs, one on each side of a singularity.
+        let minus = seek.found.iter().filter(|solution| solution.branch != Branch::PLUS).count();
+        let pairs = minus > 0 && seek.found.len() == 2 * minus;
+        let all = seek.complete || (pairs && !seek.crowded);
+        all.then(|| Ok(seek.found.copied()))
+    }
+
+    /// A search about what is wanted that has what was found already.
+    pub fn otherwise<'w, const K: usize>(&self, wanted: &'w Wanted<K, S>) -> Search<'w, N, S>
+    where
+        Self: 'w,
+    {
+        let mut search = Search::about(self.search.reach, self.search.windings, wanted);
+        if let Some(seek) = &self.seek {
+            search.solutions = seek.found.copied();
+        }
+        search
+    }
+}
+
+impl<const N: usize, S: Float> Seek<N, S> {
+    /// Takes what was found.
+    pub(super) fn add(&mut self, solution: Solution<N, S>, windings: &[Winding<'_, S>]) {
+        let before = self.found.len();
+        self.found.push(solution, windings);
+        if self.found.len() > before {
+            self.idle = 0;
+        }
+    }
+
+    /// Whether a curve was followed from a solution, or to it.
+    fn was_at(&self, q: &[S; N], unknowns: &[usize; UNKNOWNS]) -> bool {
+        let mut walked = self.walked.iter().take(self.places);
+        walked.any(|place| apart(place, q, unknowns) <= S::from_f64(SAME))
+    }
+
+    pub(super) fn note(&mut self, q: [S; N]) {
+        if let Some(slot) = self.walked.get_mut(self.places) {
+            *slot = q;
+            self.places += 1;
+        }
+    }
+}
+
+/// Where the pose of a number is, beside the target (reaches, rad): multiples of the powers of 1/g, with g^7 = g + 1, fill all
+/// directions evenly \[Roberts 2018, The unreasonable effectiveness of quasirandom sequences\].
+fn aside(number: u32, deviation: f64) -> [f64; 6] {
+    const INVERSE: f64 = 0.898_653_712_628_699_3;
+    let pair = number / 2;
+    let near = if deviation > NEAREST { deviation } else { NEAREST };
+    let half = libm::sqrt(near * FARTHEST);
+    let size = match pair % DISTANCES {
+        0 => near,
+        1 => libm::sqrt(near * half),
+        2 => half,
+        3 => libm::sqrt(half * FARTHEST),
+        _ => FARTHEST,
+    };
+    let size = if number.is_multiple_of(2) { size } else { -size };
+    let mut power = f64::from(pair + 1);
+    [0; 6].map(|_| {
+        power *= INVERSE;
+        2.0 * size * (power - libm::floor(power) - 0.5)
+    })
+}
