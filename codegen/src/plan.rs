@@ -332,6 +332,13 @@ pub enum Equation {
         /// Constant.
         c: Scalar,
     },
+    /// (k1 + l1 cos x + m1 sin x)^2 + (k2 + l2 cos x + m2 sin x)^2 = n^2: four roots.
+    Quartic {
+        /// k, l and m of both squares.
+        forms: [[Scalar; 3]; 2],
+        /// n
+        right: Scalar,
+    },
 }
 
 /// What one solving step finds, for docs, traces and errors.
@@ -362,6 +369,8 @@ pub enum Measure {
     Length,
     /// m^2
     Area,
+    /// A higher power of the metre.
+    Power(u8),
 }
 
 /// A scalar expression; a tree, since what is shared has a name of its own.

@@ -25,6 +25,8 @@ mod resultant;
 mod starts;
 mod waves;
 
+pub(crate) use waves::Waves;
+
 use crate::Frame;
 use crate::polish::polish;
 use circuit::Circuit;

@@ -7,12 +7,14 @@ mod general;
 mod near;
 mod polynomial;
 mod pose;
+mod quartic;
 mod roots;
 mod trigonometric;
 
 pub use conditions::Condition;
 pub use general::Candidates;
 pub use near::{Exact, Forms, Near, Nearly};
+pub use quartic::QuarticRoots;
 pub use roots::Roots;
 
 use free::Free;

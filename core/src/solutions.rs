@@ -174,8 +174,8 @@ impl<const N: usize, S: Float> Solutions<N, S> {
         best.0
     }
 
-    /// The solutions on a branch: one at most where the arm is solved in closed form, unless a joint is free; without a closed
-    /// form all that have the determinant's sign.
+    /// The solutions on a branch: one at most where the arm is solved in closed form, unless a joint is free or a step has four
+    /// roots, of which two have the same sign; without a closed form all that have the determinant's sign.
     pub fn on_branch(&self, branch: Branch) -> impl Iterator<Item = &Solution<N, S>> {
         self.iter().filter(move |solution| solution.branch == branch)
     }

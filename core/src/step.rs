@@ -28,6 +28,8 @@ pub enum Measure {
     Length,
     /// m²
     Area,
+    /// A higher power of the metre.
+    Power(u8),
 }
 
 impl Measure {
@@ -37,6 +39,7 @@ impl Measure {
             Self::Ratio => S::ONE,
             Self::Length => reach,
             Self::Area => reach * reach,
+            Self::Power(power) => (0..power).fold(S::ONE, |scale, _| scale * reach),
         }
     }
 }

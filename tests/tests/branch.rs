@@ -38,6 +38,8 @@ struct Case<'a> {
     /// Rows of the constraints: coefficients, then the constant.
     constraints: Vec<Vec<f64>>,
     reach: f64,
+    /// How many solutions a branch has at most.
+    most: usize,
 }
 
 impl<'a> Case<'a> {
@@ -57,7 +59,7 @@ impl<'a> Case<'a> {
             let [x, y, z] = arm.fk(&q).unwrap().translation;
             reach = reach.max((x * x + y * y + z * z).sqrt());
         }
-        Self { arm, info, constraints, reach: if reach > 1e-3 { reach } else { 1.0 } }
+        Self { arm, info, constraints, reach: if reach > 1e-3 { reach } else { 1.0 }, most: 1 }
     }
 
     /// Joint values that keep the constraints, and the nearest ones that do where these don't.
@@ -176,7 +178,8 @@ impl<'a> Case<'a> {
         Ok(set)
     }
 
-    /// Whether all solutions are away from singularities; then, by a closed form, no two are on one branch.
+    /// Whether all solutions are away from singularities; then, by a closed form, no two are on one branch, or, of a step with
+    /// four roots, no three.
     fn told_apart(&self, set: &SolutionSet) -> Result<bool, String> {
         // Where the target has more rows than there are joints, nothing tells solutions apart.
         let solved = self.arm.dof() - self.info.free.len() - self.constraints.len();
@@ -185,9 +188,9 @@ impl<'a> Case<'a> {
             return Ok(false);
         }
         for one in set.iter() {
-            if set.on_branch(one.branch).count() != 1 {
+            if set.on_branch(one.branch).count() > self.most {
                 return Err(format!(
-                    "{} twice: {:?}",
+                    "{} more often: {:?}",
                     self.info.named(one.branch),
                     set.iter().collect::<Vec<_>>()
                 ));
@@ -305,10 +308,10 @@ fn walk(case: &Case<'_>, random: &mut Random, paths: u32, steps: u32) -> Result<
 }
 
 /// Every problem of an arm.
-fn check(arm: &dyn Kinematics, random: &mut Random, paths: u32) -> Result<Seen, String> {
+fn check(arm: &dyn Kinematics, random: &mut Random, paths: u32, most: usize) -> Result<Seen, String> {
     let mut all = Seen::default();
     for info in arm.problems() {
-        let case = Case::new(arm, *info);
+        let case = Case { most, ..Case::new(arm, *info) };
         let (paths, steps) = if case.is_searched() { (paths.min(4), 16) } else { (paths, 120) };
         let seen = walk(&case, random, paths, steps).map_err(|error| format!("{}: {error}", info.name))?;
         all.steps += seen.steps;
@@ -322,7 +325,7 @@ fn of_shipped_tables() {
     let mut random = Random(7);
     for name in dh_robots::names() {
         let arm = engine::shipped(name).unwrap();
-        let seen = check(&*arm, &mut random, 5).unwrap_or_else(|error| panic!("{name}, {error}"));
+        let seen = check(&*arm, &mut random, 5, 1).unwrap_or_else(|error| panic!("{name}, {error}"));
         assert!(seen.steps > 8, "{name}: {seen:?}");
     }
 }
@@ -331,13 +334,25 @@ fn of_shipped_tables() {
 fn of_tables_of_every_class() {
     let mut random = Random(11);
     for (class, rows, skew) in CLASSES {
+        // Where the axes that place the wrist have nothing special, one of their steps has four roots.
+        let most = if class.ends_with("nothing else special") { 2 } else { 1 };
         for modified in [false, true] {
             let text = table(rows, *skew, &mut random);
             let text = if modified { modified_rows(&text) } else { text };
             let arm = engine::interpreter(&text).unwrap();
-            let seen =
-                check(&*arm, &mut random, 8).unwrap_or_else(|error| panic!("{class}, {error}\n{text}"));
-            assert!(seen.steps > 100 && (seen.targets > 3 || arm.dof() < 6), "{class}: {seen:?}\n{text}");
+            let mut seen = Seen::default();
+            let enough = |seen: &Seen| seen.steps > 100 && (seen.targets > 3 || arm.dof() < 6);
+            // Some arms are nearly singular almost everywhere.
+            for _ in 0..8 {
+                let more = check(&*arm, &mut random, 8, most);
+                let more = more.unwrap_or_else(|error| panic!("{class}, {error}\n{text}"));
+                seen.steps += more.steps;
+                seen.targets += more.targets;
+                if enough(&seen) {
+                    break;
+                }
+            }
+            assert!(enough(&seen), "{class}: {seen:?}\n{text}");
         }
     }
 }
@@ -349,7 +364,7 @@ fn of_any_table() {
     runner
         .run(&any_arm(), |arm| {
             let engine = engine::interpreter(&arm.text).map_err(TestCaseError::fail)?;
-            let own = check(&*engine, &mut Random(3), 6)
+            let own = check(&*engine, &mut Random(3), 6, 1)
                 .map_err(|error| TestCaseError::fail(format!("{error}\n{}", arm.text)))?;
             seen.set(seen.get() + own.steps);
             Ok(())

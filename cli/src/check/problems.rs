@@ -174,6 +174,7 @@ fn roots(steps: &[Step]) -> Vec<usize> {
                 found.push(match equation {
                     Equation::Trig { .. } | Equation::TrigUnit { .. } | Equation::Quadratic { .. } => 2,
                     Equation::TrigPair { .. } | Equation::Linear { .. } => 1,
+                    Equation::Quartic { .. } => 4,
                 });
                 found.extend(roots(body));
             }

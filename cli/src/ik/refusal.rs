@@ -95,6 +95,7 @@ fn singular(model: &Model, function: &Function, row: usize, gap: f64) -> Refusal
         Measure::Ratio => (0, String::new()),
         Measure::Length => (1, format!(" {}", units.length_name())),
         Measure::Area => (2, format!(" {}^2", units.length_name())),
+        Measure::Power(power) => (power, format!(" {}^{power}", units.length_name())),
     };
     let gap = units.power(gap, dimension);
     let unknown = stage.map_or("its equation", |stage| stage.unknown.as_str());

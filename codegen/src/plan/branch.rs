@@ -2,6 +2,7 @@
 
 use super::Stage;
 use crate::model::{JointKind, Model, Target};
+use crate::symbolic::inverse_kinematics::Begins;
 use dh_core::{BranchBit, BranchWord};
 
 /// The steps with two roots, with the word for each, in the order of the rows.
@@ -13,12 +14,13 @@ use dh_core::{BranchBit, BranchWord};
 ///
 /// Where the target prescribes more than the joints can do, there are none: of the equations, more than the joints, some are
 /// singular where the arm is not.
-pub(super) fn bits(model: &Model, target: Target, stages: &[Stage], from_tip: bool) -> Vec<BranchBit> {
+pub(super) fn bits(model: &Model, target: Target, stages: &[Stage], begins: Begins) -> Vec<BranchBit> {
     let solved = stages.iter().fold(0, |rows, stage| rows | stage.rows);
     let mut rows: Vec<usize> = (0..model.rows.len()).filter(|row| solved >> row & 1 == 1).collect();
     if rows.len() < target.rows() {
         return Vec::new();
     }
+    let from_tip = begins == Begins::Tip;
     if from_tip {
         rows.reverse();
     }
@@ -53,7 +55,7 @@ pub(super) fn bits(model: &Model, target: Target, stages: &[Stage], from_tip: bo
     };
     for (place, bit) in &mut bits {
         let own = Some(*place);
-        bit.word = if !turns(&bit.row) {
+        bit.word = if !turns(&bit.row) || begins == Begins::Between {
             BranchWord::Joint
         } else if own == elbow {
             BranchWord::Elbow

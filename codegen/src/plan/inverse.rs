@@ -4,7 +4,7 @@ use super::near;
 use super::schedule::{Constants, Scheduler};
 use super::unknowns;
 use super::{Equation, Function, FunctionKind, Measure, Scalar, Stage, Step};
-use crate::model::{JointKind, Model, Problem, Target};
+use crate::model::{Model, Problem, Target};
 use crate::symbolic::expression::Expr;
 use crate::symbolic::inverse_kinematics::{self, Derivation, Refusal, StageEquation};
 use crate::symbolic::redundancy;
@@ -157,7 +157,7 @@ pub(super) fn function(
     scheduler.leaves_of(derivation.given.len(), &computed);
     let mut steps = std::mem::take(&mut scheduler.steps);
     let stages: Vec<Stage> = derivation.stages.iter().map(stage).collect();
-    let branch = super::branch::bits(model, problem.target, &stages, derivation.from_tip);
+    let branch = super::branch::bits(model, problem.target, &stages, derivation.begins);
     let given = derivation.given.len();
     let unknowns = unknowns::of(&derivation.joints, given, given + stages.len());
     steps.extend(nested(&mut scheduler, derivation, polish, 0));
@@ -217,6 +217,10 @@ fn equation(kind: &StageEquation, scalars: Vec<Scalar>) -> Option<Equation> {
         }
         StageEquation::Linear(_) => Equation::Linear { a: next()?, c: next()? },
         StageEquation::Quadratic(_) => Equation::Quadratic { a: next()?, b: next()?, c: next()? },
+        StageEquation::Quartic(..) => {
+            let mut form = || Some([next()?, next()?, next()?]);
+            Equation::Quartic { forms: [form()?, form()?], right: next()? }
+        }
     })
 }
 
@@ -224,10 +228,11 @@ fn stage(stage: &inverse_kinematics::Stage) -> Stage {
     Stage {
         rows: stage.rows.iter().fold(0, |mask, row| mask | 1_u32.checked_shl(*row as u32).unwrap_or(0)),
         unknown: stage.unknown.clone(),
-        measure: match (stage.dimension, stage.kind) {
-            (0, _) => Measure::Ratio,
-            (1, _) => Measure::Length,
-            (_, JointKind::Revolute | JointKind::Prismatic) => Measure::Area,
+        measure: match stage.dimension {
+            0 => Measure::Ratio,
+            1 => Measure::Length,
+            2 => Measure::Area,
+            power => Measure::Power(power),
         },
         equation: stage.text.clone(),
         definitions: stage.definitions.clone(),

@@ -7,7 +7,7 @@ use super::schedule::Constants;
 use super::{Function, GeneralChain, Scalar, Step, ValueId, general, inverse};
 use crate::model::product;
 use crate::model::{self, JointKind, Model, Problem};
-use crate::symbolic::inverse_kinematics::{self, Derivation};
+use crate::symbolic::inverse_kinematics::{self, Begins, Derivation, Stage, StageEquation};
 use crate::symbolic::redundancy;
 use dh_core::{BranchBit, Forms, Frame, rotation_error};
 
@@ -54,6 +54,11 @@ fn function(
     derivation: &Derivation,
     constants: &mut Constants,
 ) -> Option<Function> {
+    // What is sure of the kernels' roots isn't known of four, nor of steps that begin between two joints.
+    let quartic = |stage: &Stage| matches!(stage.equation, StageEquation::Quartic(..));
+    if derivation.begins == Begins::Between || derivation.stages.iter().any(quartic) {
+        return None;
+    }
     let unknowns: Vec<usize> =
         (0..model.joints.len()).filter(|joint| !problem.free.contains(joint)).collect();
     let deviation = deviation(model, nominal);

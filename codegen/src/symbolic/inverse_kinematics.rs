@@ -7,7 +7,9 @@
 
 mod atoms;
 mod candidates;
+mod circuit;
 mod closure;
+mod elimination;
 mod expansion;
 /// Problems without a closed form as chains of six joints.
 pub mod general;
@@ -23,7 +25,8 @@ mod walk;
 mod writing;
 
 use super::expression::{Arena, Expr};
-use crate::model::{JointKind, Model, Problem, Target};
+use crate::model::{Chain, JointKind, Model, Problem, Target};
+use search::Steps;
 use tracked::Seen;
 
 /// The solution of a problem: steps, and the joint variables in terms of their roots.
@@ -43,8 +46,19 @@ pub struct Derivation {
     pub joints: Vec<Linear>,
     /// The tool frame: r11 r12 r13 px r21 ...
     pub tool: Vec<Expr>,
-    /// Whether it begins at the tip: the base is what is seen.
-    pub from_tip: bool,
+    /// Where it begins.
+    pub begins: Begins,
+}
+
+/// The link from which the circuit of arm and target is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Begins {
+    /// The base.
+    Base,
+    /// The tip: the base is what is seen.
+    Tip,
+    /// One between two joints.
+    Between,
 }
 
 impl Derivation {
@@ -101,6 +115,8 @@ pub enum StageEquation {
     Linear([Expr; 2]),
     /// a x^2 + b x + c = 0
     Quadratic([Expr; 3]),
+    /// (k1 + l1 cos x + m1 sin x)^2 + (k2 + l2 cos x + m2 sin x)^2 = n^2
+    Quartic([[Expr; 3]; 2], Expr),
 }
 
 impl StageEquation {
@@ -109,6 +125,7 @@ impl StageEquation {
         match self {
             Self::Trig(_) | Self::TrigUnit(..) | Self::Quadratic(_) => 2,
             Self::TrigPair(..) | Self::Linear(_) => 1,
+            Self::Quartic(..) => 4,
         }
     }
 
@@ -119,6 +136,7 @@ impl StageEquation {
             Self::TrigUnit(list, others) => list.iter().chain(others).copied().collect(),
             Self::TrigPair(first, second) => [*first, *second].concat(),
             Self::Linear(list) => list.to_vec(),
+            Self::Quartic([first, second], right) => [&first[..], second, &[*right]].concat(),
         }
     }
 }
@@ -163,14 +181,68 @@ pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
     }
     let unknowns =
         unknowns::eliminate(model, &problem.constraints, &problem.free).map_err(|_| Refusal::Coupling)?;
-    let from_base = solve(model, problem, &unknowns, Seen::FromBase);
-    match (from_base, problem.target) {
-        (Err(Refusal::NoClosedForm), Target::Pose | Target::Rotation) => {
-            let from_tip = solve(model, problem, &unknowns, Seen::FromTool)?;
-            Ok(Derivation { from_tip: true, ..from_tip })
-        }
-        (outcome, _) => outcome,
+    let mut outcome = solve(model, problem, &unknowns, Seen::FromBase);
+    if let (Err(Refusal::NoClosedForm), Target::Pose | Target::Rotation) = (&outcome, problem.target) {
+        let from_tip = solve(model, problem, &unknowns, Seen::FromTool);
+        outcome = from_tip.map(|found| Derivation { begins: Begins::Tip, ..found });
     }
+    if let (Err(Refusal::NoClosedForm), Target::Pose) = (&outcome, problem.target) {
+        outcome = around(model, problem, &unknowns);
+    }
+    outcome
+}
+
+/// The same from any link of the circuit that arm and target make, behind which the axes of three joints meet.
+fn around(model: &Model, problem: &Problem, unknowns: &unknowns::Unknowns) -> Result<Derivation, Refusal> {
+    let plain = model.chain();
+    let joints = plain.joints.len();
+    if unknowns.free.iter().filter(|free| free.given.is_none()).count() != Target::Pose.rows() {
+        return Err(Refusal::NoClosedForm);
+    }
+    let meet = |behind: &usize| {
+        let mut arena = Arena::default();
+        let circuit = circuit::Circuit::cut(&mut arena, model, &plain, unknowns, *behind);
+        circuit.ok().flatten().is_some_and(|mut circuit| circuit.meets())
+    };
+    let cuts: Vec<usize> = (1..=joints).rev().filter(meet).collect();
+    for steps in [Steps::Quadratic, Steps::Quartic] {
+        for &behind in &cuts {
+            let mut arena = Arena::default();
+            if let Ok(Some(end)) = cut(&mut arena, model, &plain, unknowns, behind, steps) {
+                let found = writing::write(arena, model, problem, unknowns, &end);
+                let begins = if behind == joints { Begins::Base } else { Begins::Between };
+                return Ok(Derivation { begins, ..found });
+            }
+        }
+    }
+    Err(Refusal::NoClosedForm)
+}
+
+/// The same with the cut behind one joint: the point in which the last three axes meet, then the rotation.
+fn cut(
+    arena: &mut Arena,
+    model: &Model,
+    plain: &Chain,
+    unknowns: &unknowns::Unknowns,
+    behind: usize,
+    steps: Steps,
+) -> Result<Option<search::State>, closure::Trouble> {
+    let Some(mut circuit) = circuit::Circuit::cut(arena, model, plain, unknowns, behind)? else {
+        return Ok(None);
+    };
+    let open = circuit.open();
+    let Some((atoms, equations)) = circuit.point()? else { return Ok(None) };
+    let samples = samples::draw(model, Target::Pose, unknowns, &atoms);
+    let before = circuit::open_in(&open, &equations);
+    let start = search::State { atoms, equations, open: before, samples, found: Vec::new() };
+    let Some(end) = search::run(circuit.arena(), start, steps)? else { return Ok(None) };
+    let mut open = open;
+    open.angles.retain(|angle| !end.found.iter().any(|found| found.unknown.place() == Some(*angle)));
+    open.slides
+        .retain(|slide| !end.found.iter().any(|found| found.unknown == search::Unknown::Slide(*slide)));
+    let (atoms, equations) = circuit.rotation(end.atoms, &end.found, &open)?;
+    let start = search::State { atoms, equations, open, samples: end.samples, found: end.found };
+    Ok(search::run(circuit.arena(), start, steps)?)
 }
 
 /// The same from one end of the arm.
@@ -189,7 +261,7 @@ fn solve(
             },
         )?;
     let samples = samples::draw(model, problem.target, unknowns, &closure.atoms);
-    let open = closure.open(unknowns);
+    let open = closure::open(&closure.atoms, unknowns);
     let start = search::State {
         atoms: closure.atoms,
         equations: closure.equations,
@@ -197,7 +269,7 @@ fn solve(
         samples,
         found: Vec::new(),
     };
-    match search::run(&arena, start) {
+    match search::run(&arena, start, Steps::Quadratic) {
         Ok(Some(end)) => Ok(writing::write(arena, model, problem, unknowns, &end)),
         _ => Err(Refusal::NoClosedForm),
     }

@@ -30,6 +30,10 @@ fn scalars<'p>(steps: &'p mut [Step], found: &mut Vec<&'p mut Scalar>) {
                     Equation::TrigUnit { row, others } => found.extend(row.iter_mut().chain(others)),
                     Equation::TrigPair { first, second } => found.extend(first.iter_mut().chain(second)),
                     Equation::Linear { a, c } => found.extend([a, c]),
+                    Equation::Quartic { forms, right } => {
+                        found.extend(forms.as_flattened_mut());
+                        found.push(right);
+                    }
                 }
                 scalars(body, found);
             }

@@ -46,7 +46,7 @@ const ROUNDING: f64 = 1e-14;
 
 /// f(x) = Re sum of (a + i b)_k exp(i k x).
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Waves {
+pub(crate) struct Waves {
     coefficients: [[f64; 2]; MAX_DEGREE + 1],
     degree: usize,
     /// Bound on the third derivative.
@@ -57,14 +57,14 @@ pub(super) struct Waves {
 
 /// Roots of a polynomial, and candidates that may be.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Roots {
+pub(crate) struct Roots {
     list: [f64; MAX_ROOTS],
     len: usize,
     /// Places where there should be none, but nearly are.
     unlikely: [f64; MAX_ROOTS],
     unlikely_len: usize,
     /// Whether some are double, or more came than there is room for.
-    pub(super) doubtful: bool,
+    pub(crate) doubtful: bool,
     /// How near the polynomial was seen to come to 0.
     least: f64,
     /// How many cells were looked at.
@@ -72,11 +72,11 @@ pub(super) struct Roots {
 }
 
 impl Roots {
-    pub(super) fn as_slice(&self) -> &[f64] {
+    pub(crate) fn as_slice(&self) -> &[f64] {
         self.list.get(..self.len).unwrap_or(&self.list)
     }
 
-    pub(super) fn unlikely(&self) -> &[f64] {
+    pub(crate) fn unlikely(&self) -> &[f64] {
         self.unlikely.get(..self.unlikely_len).unwrap_or(&self.unlikely)
     }
 
@@ -105,6 +105,20 @@ impl Waves {
             third += k * k * k * libm::sqrt(a * a + b * b);
         }
         Self { coefficients, degree, third, uncertain: CERTAIN * Float::max(noise, ROUNDING) }
+    }
+
+    /// Of the second degree, from coefficients of which the greatest is about 1.
+    pub(crate) fn quadratic(first: [[f64; 2]; 3]) -> Self {
+        let mut coefficients = [[0.0; 2]; MAX_DEGREE + 1];
+        coefficients.iter_mut().zip(first).for_each(|(coefficient, first)| *coefficient = first);
+        Self::new(coefficients, 2, 0.0)
+    }
+
+    /// A root to its last digits, and the derivative there. (Between [`LAST_STEP`] and these, a bracket says nothing.)
+    pub(crate) fn refined(&self, root: f64) -> (f64, f64) {
+        let [f, d, _] = self.at(root);
+        let step = f / d;
+        (if libm::fabs(step) < 2.0 * LAST_STEP { root - step } else { root }, d)
     }
 
     /// Value and two derivatives.
@@ -148,7 +162,7 @@ impl Waves {
     }
 
     /// How near the polynomial was seen to come to 0, relative to its size.
-    pub(super) fn miss(&self, roots: &Roots) -> f64 {
+    pub(crate) fn miss(&self, roots: &Roots) -> f64 {
         let size = self.coefficients.iter().fold(0.0, |sum, [a, b]| sum + libm::sqrt(a * a + b * b));
         if size > 0.0 { roots.least / size } else { f64::INFINITY }
     }
@@ -158,7 +172,7 @@ impl Waves {
     /// A cell in which Taylor's expansion at its middle leaves no room for a root is dropped, one in which the polynomial
     /// is monotonous or has one extremum is searched, others are halved. Where the values are within what is uncertain
     /// of them, a candidate is given.
-    pub(super) fn roots(&self) -> Roots {
+    pub(crate) fn roots(&self) -> Roots {
         let mut roots = Roots {
             list: [0.0; MAX_ROOTS],
             len: 0,

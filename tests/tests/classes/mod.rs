@@ -44,6 +44,14 @@ pub(crate) const CLASSES: &[(&str, &str, bool)] = &[
     ("slides before a spherical wrist", "LTL LTL P0T 0TL 0T0 LTL", false),
     ("a slide below a spherical wrist", "PLT LTL LTL 0TL 0T0 LTL", false),
     ("four joints of a gripper on slides", "L0L L0L P0T 00L", false),
+    ("spherical wrist, nothing else special", "LTL LTL LTL 0TL 0T0 00L", true),
+    ("spherical shoulder, nothing else special", "0TL 0T0 LTL LTL LTL 00L", true),
+    ("axes 2 to 4 meet, 5 and 6 are parallel", "LTL 0TL 0T0 LTL L0L 00L", false),
+    ("axes 2 to 4 meet, 5 and 6 too", "LTL 0TL 0T0 LTL 0TL 00L", true),
+    ("axes 2 to 4 meet, nothing else special", "LTL 0TL 0T0 LTL LTL 00L", false),
+    ("axes 3 to 5 meet, 1 and 2 are parallel", "L0L LTL 0TL 0T0 LTL 00L", true),
+    ("axes 3 to 5 meet, 1 and 2 too", "0TL LTL 0TL 0T0 LTL 00L", false),
+    ("axes 3 to 5 meet, nothing else special", "LTL LTL 0TL 0T0 LTL 00L", true),
 ];
 
 pub(crate) fn table(rows: &str, skew: bool, random: &mut Random) -> String {

@@ -78,16 +78,7 @@ impl Body<'_> {
                     }
                     let call = self.kernel(*stage, equation);
                     text.laid_out(&statement(text.indent(), "let mut roots =", &call, ";"));
-                    let (found, next) = match (equation, sin_cos) {
-                        (Equation::Linear { .. } | Equation::Quadratic { .. }, _) => {
-                            (self.name(*root).to_owned(), "next")
-                        }
-                        (_, Some([sin, cos])) => {
-                            let names = [*root, *sin, *cos].map(|id| self.name(id));
-                            (format!("({})", names.join(", ")), "next_angle")
-                        }
-                        (_, None) => (format!("({}, _, _)", self.name(*root)), "next_angle"),
-                    };
+                    let (found, next) = self.found(equation, *root, *sin_cos);
                     let some = self.leaves.paths.prelude("Some");
                     text.line(format!("while let {some}({found}) = search.{next}(&mut roots) {{"));
                     let mut nested = Text::indented(text.indent() / 4 + 1);
@@ -164,6 +155,29 @@ impl Body<'_> {
         format!("let mut search = {kind}::{constructor}({reach}, &{windings}, &{more});")
     }
 
+    /// What a root is bound to, and which method of the search gives the next one.
+    fn found(
+        &self,
+        equation: &Equation,
+        root: ValueId,
+        sin_cos: Option<[ValueId; 2]>,
+    ) -> (String, &'static str) {
+        let next = match equation {
+            Equation::Linear { .. } | Equation::Quadratic { .. } => {
+                return (self.name(root).to_owned(), "next");
+            }
+            Equation::Quartic { .. } => "next_of_quartic",
+            _ => "next_angle",
+        };
+        match sin_cos {
+            Some([sin, cos]) => {
+                let names = [root, sin, cos].map(|id| self.name(id));
+                (format!("({})", names.join(", ")), next)
+            }
+            None => (format!("({}, _, _)", self.name(root)), next),
+        }
+    }
+
     /// The solver's call for an equation.
     fn kernel(&self, stage: usize, equation: &Equation) -> Expression {
         let mut arguments = vec![Expression::Atom(self.stages.get(stage).cloned().unwrap_or_default())];
@@ -174,8 +188,15 @@ impl Body<'_> {
             Equation::TrigPair { .. } => "search.trig_pair",
             Equation::Linear { .. } => "search.linear",
             Equation::Quadratic { .. } => "search.quadratic",
+            Equation::Quartic { .. } => "search.quartic",
         };
-        if let Equation::TrigUnit { .. } | Equation::TrigPair { .. } = equation {
+        if let Equation::Quartic { .. } = equation {
+            let scalars: Vec<_> = scalars.collect();
+            let (forms, right) = scalars.split_at(scalars.len().min(6));
+            let forms = forms.chunks(3).map(|form| Expression::Array(form.to_vec()));
+            arguments.push(Expression::Array(forms.collect()));
+            arguments.extend(right.iter().cloned());
+        } else if let Equation::TrigUnit { .. } | Equation::TrigPair { .. } = equation {
             let mut first: Vec<_> = scalars.collect();
             let second = first.split_off(first.len().min(3));
             arguments.extend([Expression::Array(first), Expression::Array(second)]);

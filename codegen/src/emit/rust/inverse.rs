@@ -112,9 +112,10 @@ impl<'a> Printer<'a> {
     fn stage(&self, index: usize, stage: &Stage, name: &str, unsigned: &str) -> String {
         let step = self.paths.runtime("Step");
         let measure = match stage.measure {
-            Measure::Ratio => "Ratio",
-            Measure::Length => "Length",
-            Measure::Area => "Area",
+            Measure::Ratio => "Ratio".to_owned(),
+            Measure::Length => "Length".to_owned(),
+            Measure::Area => "Area".to_owned(),
+            Measure::Power(power) => format!("Power({power})"),
         };
         let slides =
             |row: usize| self.model.rows.get(row).is_some_and(|row| row.kind == JointKind::Prismatic);

@@ -94,5 +94,6 @@ pub(super) fn coefficients(equation: &Equation) -> Vec<&Scalar> {
         Equation::TrigUnit { row, others } => row.iter().chain(others).collect(),
         Equation::TrigPair { first, second } => first.iter().chain(second).collect(),
         Equation::Linear { a, c } => vec![a, c],
+        Equation::Quartic { forms, right } => forms.as_flattened().iter().chain([right]).collect(),
     }
 }

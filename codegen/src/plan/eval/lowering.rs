@@ -124,6 +124,11 @@ impl<S: Float> Lowering<'_, S> {
             }
             Equation::Linear { a, c } => Kernel::Linear(self.coefficients([a, c], code)?),
             Equation::Quadratic { a, b, c } => Kernel::Quadratic(self.coefficients([a, b, c], code)?),
+            Equation::Quartic { forms: [first, second], right } => {
+                let first = self.coefficients(first.each_ref(), code)?;
+                let second = self.coefficients(second.each_ref(), code)?;
+                Kernel::Quartic([first, second], self.scalar(right, code)?)
+            }
         })
     }
 

@@ -99,6 +99,7 @@ pub(super) enum Kernel {
     TrigPair([Register; 3], [Register; 3]),
     Linear([Register; 2]),
     Quadratic([Register; 3]),
+    Quartic([[Register; 3]; 2], Register),
 }
 
 /// A checked function in the scalar type `S`.
@@ -178,6 +179,7 @@ fn stages(model: &Model, function: &Function) -> Result<Vec<dh_core::Step>, Plan
             Measure::Ratio => dh_core::Measure::Ratio,
             Measure::Length => dh_core::Measure::Length,
             Measure::Area => dh_core::Measure::Area,
+            Measure::Power(power) => dh_core::Measure::Power(power),
         };
         let first = model.rows.get(stage.rows.trailing_zeros() as usize);
         let prismatic = first.is_some_and(|row| row.kind == JointKind::Prismatic);

@@ -5,8 +5,8 @@ use super::routine::{self, General, Instruction, Kernel, Register, Routine, Solv
 use super::trace::Event;
 use crate::plan::Function;
 use dh_core::{
-    Candidates, Condition, Float, Frame, IkError, MAX_JOINTS, Near, Roots, Search, Solutions, Target, Wanted,
-    Winding, residual_tolerance,
+    Candidates, Condition, Float, Frame, IkError, MAX_JOINTS, Near, QuarticRoots, Roots, Search, Solutions,
+    Target, Wanted, Winding, residual_tolerance,
 };
 
 /// The registers of one run. Register numbers were checked when the function was lowered.
@@ -131,7 +131,15 @@ impl<S: Float> Searching<'_, S> {
         }
     }
 
-    fn roots(&mut self, step: dh_core::Step, equation: Kernel, registers: &Registers<S>) -> Roots<S> {
+    fn roots(&mut self, step: dh_core::Step, equation: Kernel, registers: &Registers<S>) -> Found<S> {
+        if let Kernel::Quartic(forms, right) = equation {
+            let forms = forms.map(|form| registers.all(form));
+            // Nearly special arms do without.
+            return match self {
+                Self::Exact(search) => Found::Four(search.quartic(step, forms, registers.get(right))),
+                Self::Near(_) | Self::Done(_) => Found::Two(Roots::NONE),
+            };
+        }
         macro_rules! solved {
             ($search:expr) => {
                 match equation {
@@ -153,14 +161,15 @@ impl<S: Float> Searching<'_, S> {
                         let [a, b, c] = registers.all(coefficients);
                         $search.quadratic(step, a, b, c)
                     }
+                    Kernel::Quartic(..) => Roots::NONE,
                 }
             };
         }
-        match self {
+        Found::Two(match self {
             Self::Exact(search) => solved!(search),
             Self::Near(near) => solved!(near),
             Self::Done(_) => Roots::NONE,
-        }
+        })
     }
 
     fn next_candidate(&mut self, candidates: &mut Candidates<S>) -> Option<[S; 6]> {
@@ -175,6 +184,13 @@ impl<S: Float> Searching<'_, S> {
             Self::Exact(search) => search.next(roots),
             Self::Near(near) => near.next(roots),
             Self::Done(_) => None,
+        }
+    }
+
+    fn next_of_quartic(&mut self, roots: &mut QuarticRoots<S>) -> Option<(S, S, S)> {
+        match self {
+            Self::Exact(search) => search.next_of_quartic(roots),
+            Self::Near(_) | Self::Done(_) => None,
         }
     }
 
@@ -216,7 +232,10 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
             return;
         };
         let mut roots = self.search.roots(*step, solve.equation, registers);
-        let count = roots.len();
+        let count = match &roots {
+            Found::Two(roots) => roots.len(),
+            Found::Four(roots) => roots.len(),
+        };
         (self.observer)(Event::Stage { index: solve.stage, stage, roots: count });
         let mut number = 0;
         while let Some(root) = self.next(solve, &mut roots, registers) {
@@ -276,13 +295,16 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
     }
 
     /// The next root, in its registers.
-    fn next(&mut self, solve: &Solve, roots: &mut Roots<S>, registers: &mut Registers<S>) -> Option<S> {
-        if !solve.angle {
-            let root = self.search.next(roots)?;
-            registers.set(solve.root, root);
-            return Some(root);
-        }
-        let (root, sin, cos) = self.search.next_angle(roots)?;
+    fn next(&mut self, solve: &Solve, roots: &mut Found<S>, registers: &mut Registers<S>) -> Option<S> {
+        let (root, sin, cos) = match roots {
+            Found::Two(roots) if !solve.angle => {
+                let root = self.search.next(roots)?;
+                registers.set(solve.root, root);
+                return Some(root);
+            }
+            Found::Two(roots) => self.search.next_angle(roots)?,
+            Found::Four(roots) => self.search.next_of_quartic(roots)?,
+        };
         registers.set(solve.root, root);
         if let Some([sin_slot, cos_slot]) = solve.sin_cos {
             registers.set(sin_slot, sin);
@@ -314,6 +336,14 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
             search.accept_where(q, position_error, rotation_error, &conditions);
         }
     }
+}
+
+/// Roots of an equation.
+enum Found<S> {
+    /// Up to two.
+    Two(Roots<S>),
+    /// Up to four.
+    Four(QuarticRoots<S>),
 }
 
 /// The tool frame by a forward function.

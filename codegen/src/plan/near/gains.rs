@@ -3,7 +3,7 @@
 use super::super::{Equation, Function, Measure, Scalar, Step, ValueId};
 use super::{SAMPLES, frame, joint_vector};
 use crate::model::{JointKind, Model, product};
-use dh_core::{Frame, Search};
+use dh_core::{Frame, Roots, Search};
 use std::f64::consts::TAU;
 
 /// What the greatest deviation over some joint vectors is multiplied by, for those in between.
@@ -135,6 +135,7 @@ impl Branch<'_> {
                 }
                 Equation::Linear { a, c } => search.linear(step, number(a), number(c)),
                 Equation::Quadratic { a, b, c } => search.quadratic(step, number(a), number(b), number(c)),
+                Equation::Quartic { .. } => Roots::NONE,
             };
             let list: Vec<f64> = all.into_iter().collect();
             let root = list.get(choice(stage, &list) % list.len().max(1)).copied();
@@ -175,6 +176,8 @@ impl Branch<'_> {
                         }
                         Equation::Linear { a, c } => value(a) * x - value(c),
                         Equation::Quadratic { a, b, c } => (value(a) * x + value(b)) * x + value(c),
+                        // There are none in these functions.
+                        Equation::Quartic { .. } => f64::INFINITY,
                     },
             );
             x

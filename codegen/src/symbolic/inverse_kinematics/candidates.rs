@@ -1,6 +1,6 @@
 //! The equations of a state that one unknown solves.
 
-use super::atoms::{Atoms, Source};
+use super::atoms::{AngleData, Atoms, Source};
 use super::closure::{Equation, Origin};
 use super::polynomial::{Atom, Overflow, Polynomial};
 use super::reading::{Open, Reading, Simple};
@@ -89,7 +89,7 @@ pub(super) fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>,
     Ok(found)
 }
 
-fn angle(frequency: &[i16]) -> Option<Unknown> {
+pub(super) fn angle(frequency: &[i16]) -> Option<Unknown> {
     let at = frequency.iter().position(|k| k.abs() == 1)?;
     Some(Unknown::Angle { frequency: frequency.to_vec(), at })
 }
@@ -163,17 +163,19 @@ fn perpendicular([a, b]: [&Polynomial; 2], [a2, b2]: [&Polynomial; 2]) -> Result
 }
 
 /// Whether only numbers of the table are in it.
-fn of_table(atoms: &Atoms, polynomial: &Polynomial) -> bool {
+pub(super) fn of_table(atoms: &Atoms, polynomial: &Polynomial) -> bool {
     polynomial.terms().all(|(key, _)| {
         let table = |(atom, _): &(Atom, u8)| {
             matches!(atoms.list.get(usize::from(*atom)).map(|data| &data.source), Some(Source::Table(_)))
         };
-        key.frequency.iter().all(|k| *k == 0) && key.monomial.iter().all(table)
+        let constant = |at: usize| matches!(atoms.angles.get(at), Some(AngleData::Constant { .. }));
+        key.frequency.iter().enumerate().all(|(at, k)| *k == 0 || constant(at))
+            && key.monomial.iter().all(table)
     })
 }
 
 /// Whether a known polynomial is zero at some sample: then it may be zero wherever the arm can be.
-fn vanishes(arena: &Arena, state: &mut State, polynomial: &Polynomial) -> bool {
+pub(super) fn vanishes(arena: &Arena, state: &mut State, polynomial: &Polynomial) -> bool {
     let State { samples, atoms, .. } = state;
     samples.iter_mut().any(|sample| sample.value(arena, atoms, polynomial).abs() < ZERO)
 }

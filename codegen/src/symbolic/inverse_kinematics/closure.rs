@@ -40,7 +40,7 @@ pub(super) struct Origin {
 }
 
 impl Origin {
-    fn whole(of: String) -> Self {
+    pub(super) fn whole(of: String) -> Self {
         Self { squares: false, rows: Vec::new(), of, and: None }
     }
 
@@ -104,7 +104,7 @@ pub(super) fn build(
     seen: Seen,
 ) -> Result<Closure, Trouble> {
     let plain = model.chain();
-    let mut walker = Walker { arena, model, unknowns, atoms: Atoms::default() };
+    let mut walker = Walker { arena, model, unknowns, atoms: Atoms::default(), roots: Vec::new() };
     walker.angles(&plain);
     let inputs: Vec<Expr> =
         target.input_names().iter().map(|name| walker.arena.leaf(name, Leaf::Known)).collect();
@@ -258,7 +258,7 @@ impl Walker<'_> {
 }
 
 /// Longer rows are not made equations: they never have one unknown.
-const LONGEST_ROW: usize = 192;
+pub(super) const LONGEST_ROW: usize = 192;
 
 /// Vectors with longer entries are not squared.
 const LONGEST_SQUARED: usize = 24;
@@ -275,20 +275,18 @@ fn squared(v: &Vector) -> Result<Option<Polynomial>, Overflow> {
     Ok(Some(sum))
 }
 
-impl Closure {
-    /// Everything that has to be found.
-    pub(super) fn open(&self, unknowns: &Unknowns) -> super::reading::Open {
-        let angles = self.atoms.angles.iter().enumerate();
-        let unknown = |index: usize| unknowns.free.get(index).is_some_and(|free| free.given.is_none());
-        let angles = angles.filter(|(_, angle)| matches!(angle, AngleData::Free(index) if unknown(*index)));
-        let slides = (0..self.atoms.list.len()).map(|index| index as super::polynomial::Atom);
-        // A slide that no equation contains stays open, and the problem unsolved.
-        let slide = |free: &&Free| free.kind == JointKind::Prismatic && free.given.is_none();
-        let absent = unknowns.free.iter().filter(slide).count();
-        let mut slides: Vec<_> = slides.filter(|atom| self.atoms.slide(*atom).is_some_and(unknown)).collect();
-        while slides.len() < absent {
-            slides.push(super::polynomial::Atom::MAX);
-        }
-        super::reading::Open { angles: angles.map(|(index, _)| index).collect(), slides }
+/// Everything that has to be found.
+pub(super) fn open(atoms: &Atoms, unknowns: &Unknowns) -> super::reading::Open {
+    let angles = atoms.angles.iter().enumerate();
+    let unknown = |index: usize| unknowns.free.get(index).is_some_and(|free| free.given.is_none());
+    let angles = angles.filter(|(_, angle)| matches!(angle, AngleData::Free(index) if unknown(*index)));
+    let slides = (0..atoms.list.len()).map(|index| index as super::polynomial::Atom);
+    // A slide that no equation contains stays open, and the problem unsolved.
+    let slide = |free: &&Free| free.kind == JointKind::Prismatic && free.given.is_none();
+    let absent = unknowns.free.iter().filter(slide).count();
+    let mut slides: Vec<_> = slides.filter(|atom| atoms.slide(*atom).is_some_and(unknown)).collect();
+    while slides.len() < absent {
+        slides.push(super::polynomial::Atom::MAX);
     }
+    super::reading::Open { angles: angles.map(|(index, _)| index).collect(), slides }
 }

@@ -152,7 +152,7 @@ pub(super) fn abbreviate(reading: &mut Reading, atoms: &mut Atoms, name: &str) -
     Ok(())
 }
 
-fn short(polynomial: &Polynomial, atoms: &mut Atoms, name: &str) -> Result<Polynomial, Overflow> {
+pub(super) fn short(polynomial: &Polynomial, atoms: &mut Atoms, name: &str) -> Result<Polynomial, Overflow> {
     let still = |key: &super::polynomial::Key| key.frequency.iter().all(|k| *k == 0);
     let of_table = |key: &super::polynomial::Key| {
         key.monomial.iter().all(|(atom, _)| {

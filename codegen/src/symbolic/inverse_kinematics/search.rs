@@ -8,6 +8,7 @@
 use super::atoms::{Atoms, Source};
 use super::candidates::candidates;
 use super::closure::{Equation, Origin};
+use super::elimination::quartics;
 use super::polynomial::{Atom, Overflow, Polynomial};
 use super::reading::{self, Open, Reading};
 use super::samples::Sample;
@@ -67,6 +68,8 @@ pub(super) enum Solved {
     Linear([Polynomial; 2]),
     /// a x^2 + b x + c = 0
     Quadratic([Polynomial; 3]),
+    /// (k1 + l1 cos x + m1 sin x)^2 + (k2 + l2 cos x + m2 sin x)^2 = n^2
+    Quartic([[Polynomial; 3]; 2], Polynomial),
 }
 
 impl Solved {
@@ -74,6 +77,7 @@ impl Solved {
         match self {
             Self::Pair(..) | Self::Linear(_) => 1,
             Self::Trig(_) | Self::Unit(..) | Self::Quadratic(_) => 2,
+            Self::Quartic(..) => 4,
         }
     }
 
@@ -84,6 +88,7 @@ impl Solved {
             Self::Unit(list, others) => list.iter().chain(others).collect(),
             Self::Pair(first, second) => first.iter().chain(second).collect(),
             Self::Linear(list) => list.iter().collect(),
+            Self::Quartic(forms, right) => forms.as_flattened().iter().chain([right]).collect(),
         }
     }
 
@@ -114,20 +119,30 @@ impl Found {
     }
 }
 
+/// Which steps are looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Steps {
+    /// Those with up to two roots.
+    Quadratic,
+    /// Where there are none, those with four: an angle is eliminated from two equations.
+    Quartic,
+}
+
 /// How many states a search looks at before it keeps the best so far.
 const BUDGET: usize = 60;
 /// How many steps with two roots are tried at one state.
 const WIDTH: usize = 3;
 /// The best order, as the state at its end.
-pub(super) fn run(arena: &Arena, mut start: State) -> Result<Option<State>, Overflow> {
+pub(super) fn run(arena: &Arena, mut start: State, most: Steps) -> Result<Option<State>, Overflow> {
     settle(&mut start)?;
-    let mut search = Search { arena, budget: BUDGET, best: None };
+    let mut search = Search { arena, most, budget: BUDGET, best: None };
     search.visit(start)?;
     Ok(search.best.map(|(_, state)| state))
 }
 
 struct Search<'a> {
     arena: &'a Arena,
+    most: Steps,
     budget: usize,
     best: Option<(Cost, State)>,
 }
@@ -146,6 +161,9 @@ impl Search<'_> {
         }
         self.budget -= 1;
         let mut candidates = candidates(self.arena, &mut state)?;
+        if candidates.is_empty() && self.most == Steps::Quartic {
+            candidates = quartics(self.arena, &mut state)?;
+        }
         candidates.sort_by_key(|found| {
             let unsound = found.class == Class::Unsound;
             let unit = matches!(found.equation, Solved::Unit(..));
@@ -203,19 +221,37 @@ fn collect(atoms: &Atoms, polynomial: &Polynomial, found: &mut BTreeSet<Atom>) {
     }
 }
 
+impl Unknown {
+    /// The place of an angle.
+    pub(super) fn place(&self) -> Option<usize> {
+        match self {
+            Self::Angle { at, .. } => Some(*at),
+            Self::Slide(_) => None,
+        }
+    }
+
+    /// The place of an angle and what stands there from then on: root = frequency . angles, so the angle at `at` is
+    /// sign (root - the others).
+    pub(super) fn replaced(&self) -> Option<(usize, Vec<i16>)> {
+        let Self::Angle { frequency, at } = self else { return None };
+        let sign = frequency.get(*at).copied().unwrap_or(1);
+        let mut coefficients: Vec<i16> = frequency.iter().map(|k| -sign * k).collect();
+        if let Some(entry) = coefficients.get_mut(*at) {
+            *entry = sign;
+        }
+        Some((*at, coefficients))
+    }
+}
+
 /// Makes a step: its unknown becomes known.
 fn take(state: &mut State, found: Found) -> Result<(), Overflow> {
     match &found.unknown {
         Unknown::Slide(atom) => state.open.slides.retain(|slide| slide != atom),
         Unknown::Angle { frequency, at } => {
-            // root = frequency . angles, so the angle at `at` = sign (root - the others).
-            let sign = frequency.get(*at).copied().unwrap_or(1);
-            let mut coefficients: Vec<i16> = frequency.iter().map(|k| -sign * k).collect();
-            if let Some(entry) = coefficients.get_mut(*at) {
-                *entry = sign;
-            }
-            for equation in &mut state.equations {
-                equation.polynomial = equation.polynomial.substitute(*at, &coefficients)?;
+            if let Some((at, coefficients)) = found.unknown.replaced() {
+                for equation in &mut state.equations {
+                    equation.polynomial = equation.polynomial.substitute(at, &coefficients)?;
+                }
             }
             for sample in &mut state.samples {
                 let root = frequency.iter().zip(&sample.angles).map(|(k, x)| f64::from(*k) * x).sum();

@@ -59,6 +59,46 @@ fn more_of_a_pose_may_be_prescribed() {
     solved(ur5(), problem(Target::PositionYaw, &constraints[..2]));
 }
 
+/// d, a and alpha (deg) of joints whose axes 3, 4 and 5 meet in a point; what lies between the first two is given.
+fn spherical_elbow(a: f64, alpha: f64) -> Model {
+    let rows = [
+        [0.3, a, alpha, 0.0],
+        [0.1, 0.4, 90.0, 0.0],
+        [0.2, 0.0, 90.0, 0.0],
+        [0.0, 0.0, -90.0, 0.0],
+        [0.25, 0.15, 90.0, 0.0],
+        [0.1, 0.0, 0.0, 0.0],
+    ];
+    robot(Convention::Standard, &rows)
+}
+
+#[test]
+fn three_axes_that_meet_between_others_come_last() {
+    // Axes 1 and 2 are parallel.
+    let steps = solved(spherical_elbow(0.35, 0.0), problem(Target::Pose, &[]));
+    expect_test::expect![[r"
+        theta6: (a5 r31 + d5 r32) c6 - (a5 r32 - d5 r31) s6 = z0
+        theta2: 2 a1 a2 c2 + 2 a1 d3 s2 = n0_2
+        theta1: (a2 c2 + a1 + d3 s2) c1 - (a2 s2 - d3 c2) s1 = x0; (a2 s2 - d3 c2) c1 + (a2 c2 + a1 + d3 s2) s1 = y0
+        theta4: c4 = -zy1
+        theta3: s4 c3 = -zx1; s4 s3 = -zz0
+        theta5: c5 = xx4_2; s5 = -xz3
+    "]].assert_eq(&steps);
+    // They meet.
+    let steps = solved(spherical_elbow(0.0, 90.0), problem(Target::Pose, &[]));
+    assert_eq!(steps.lines().filter(|line| line.starts_with("theta")).count(), 6);
+}
+
+#[test]
+fn two_equations_in_two_angles_make_a_quartic() {
+    let steps = solved(spherical_elbow(0.35, 90.0), problem(Target::Pose, &[]));
+    let first = steps.lines().next().unwrap();
+    expect_test::expect![
+        "theta6: (k + l c6 - m s6)^2 + (k_2 + l_2 c6 - m_2 s6)^2 = (a1 (2 d3^2 + 2 a2^2))^2"
+    ]
+    .assert_eq(first);
+}
+
 #[test]
 fn planar_arms_have_both_elbows() {
     let two = robot(Convention::Standard, &[[0.0, 0.16, 0.0, 0.0], [0.0, 0.12, 0.0, 0.0]]);

@@ -127,7 +127,7 @@ impl Walker<'_> {
 
     /// From the origin behind the base's fixed transform to that of the last joint's frame, p - R tool^T t, in the axes
     /// of the base frame.
-    fn last_origin(&mut self, base: &Rigid, tool: &Rigid, rotation: &Mat3, p: Vec3) -> Vec3 {
+    pub(super) fn last_origin(&mut self, base: &Rigid, tool: &Rigid, rotation: &Mat3, p: Vec3) -> Vec3 {
         let back = transform::apply(self.arena, &transform::transpose(&tool.rotation), tool.translation);
         let arm = transform::apply(self.arena, rotation, back);
         let origin = transform::sub(self.arena, p, arm);
@@ -200,7 +200,7 @@ impl Walker<'_> {
     }
 
     /// What is behind the last joint.
-    fn behind_last_joint(&mut self, plain: &crate::model::Chain) -> Rigid {
+    pub(super) fn behind_last_joint(&mut self, plain: &crate::model::Chain) -> Rigid {
         match plain.links.as_slice() {
             [_, .., last] => chain::rigid(self.arena, &last.elements),
             _ => transform::identity(self.arena),

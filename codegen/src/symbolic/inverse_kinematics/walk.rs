@@ -19,6 +19,10 @@ pub(super) enum Step<'a> {
     Turn(Polynomial, Polynomial),
     /// d
     Slide(Polynomial),
+    /// By a known vector.
+    Shift(Box<Vector>),
+    /// By a known rotation, its rows.
+    Rotation(Box<[Vector; 3]>),
 }
 
 /// A joint (the base has none) and the link behind it.
@@ -30,6 +34,8 @@ pub(super) struct Walker<'a> {
     pub model: &'a Model,
     pub unknowns: &'a Unknowns,
     pub atoms: Atoms,
+    /// Angles that are replaced by roots: see [`Polynomial::substitute`].
+    pub roots: Vec<(usize, Vec<i16>)>,
 }
 
 impl Walker<'_> {
@@ -89,7 +95,13 @@ impl Walker<'_> {
             AngleData::Free(index) => form.coefficients.get(*index).map_or(0, |x| x.round() as i16),
             AngleData::Constant { .. } => 0,
         });
-        self.sin_cos(frequency.collect(), fifteenths, rest)
+        let replaced = |mut frequency: Vec<i16>, (at, coefficients): &(usize, Vec<i16>)| {
+            let multiple = frequency.get_mut(*at).map_or(0, std::mem::take);
+            frequency.iter_mut().zip(coefficients).for_each(|(k, coefficient)| *k += multiple * coefficient);
+            frequency
+        };
+        let frequency = self.roots.iter().fold(frequency.collect(), replaced);
+        self.sin_cos(frequency, fifteenths, rest)
     }
 
     pub(super) fn parameter(&mut self, name: &str, value: f64, note: &str, dimension: u8) -> Polynomial {
@@ -194,7 +206,9 @@ impl Walker<'_> {
             Step::Slide(by) if point => shift(v, 2, by),
             Step::Slide(_) => Ok(v),
             Step::Turn(sin, cos) => turn(v, 2, sin, cos, inward),
-            Step::Fixed(Element::Translate { .. }) if !point => Ok(v),
+            Step::Fixed(Element::Translate { .. }) | Step::Shift(_) if !point => Ok(v),
+            Step::Shift(by) => by.iter().enumerate().try_fold(v, |v, (axis, by)| shift(v, axis, by)),
+            Step::Rotation(rows) => turned_by(rows, &v, inward),
             Step::Fixed(Element::Translate { axis, value, name, note }) => {
                 let by = self.parameter(name, *value, note, 1);
                 shift(v, *axis, &by)
@@ -231,6 +245,20 @@ impl Walker<'_> {
         }
         Ok(out)
     }
+}
+
+/// By the matrix with these rows, or by its transpose.
+fn turned_by(rows: &[Vector; 3], v: &Vector, transposed: bool) -> Result<Vector, Overflow> {
+    let mut out = [Polynomial::zero(), Polynomial::zero(), Polynomial::zero()];
+    for (i, row) in rows.iter().enumerate() {
+        for (j, entry) in row.iter().enumerate() {
+            let (to, from) = if transposed { (j, i) } else { (i, j) };
+            if let (Some(out), Some(v)) = (out.get_mut(to), v.get(from)) {
+                *out = out.add(&entry.mul(v)?)?;
+            }
+        }
+    }
+    Ok(out)
 }
 
 /// Turned about a coordinate axis, or back.

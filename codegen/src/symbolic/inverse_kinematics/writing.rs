@@ -6,7 +6,7 @@ use super::polynomial::{Atom, Polynomial};
 use super::roots::{by_roots, linear};
 use super::search::{Found, Solved, State, Unknown};
 use super::unknowns::{Given, Unknowns};
-use super::{Derivation, Linear, Stage, StageEquation, tool};
+use super::{Begins, Derivation, Linear, Stage, StageEquation, tool};
 use crate::model::{JointKind, Model, Problem};
 use crate::symbolic::angle::{AngleForm, Turn};
 use crate::symbolic::expression::{Arena, Expr, Leaf};
@@ -48,7 +48,7 @@ pub(super) fn write(
     let rows: Vec<Linear> = unknowns.rows.iter().map(|form| linear(form, &free)).collect();
     let mut arena = writer.arena;
     let tool = tool::entries(&mut arena, model, unknowns, &rows, &stages);
-    Derivation { arena, inputs, given, stages, joints, tool, from_tip: false }
+    Derivation { arena, inputs, given, stages, joints, tool, begins: Begins::Base }
 }
 
 struct Writer<'a> {
@@ -112,6 +112,11 @@ impl Writer<'_> {
                 StageEquation::Linear([b, self.arena.neg(c)])
             }
             Solved::Quadratic(list) => StageEquation::Quadratic(list.each_ref().map(|p| self.expr(p))),
+            Solved::Quartic(forms, right) => {
+                let forms = forms.each_ref().map(|form| self.trig(form));
+                let right = self.expr(right);
+                StageEquation::Quartic(forms, self.arena.split_sign(right).1)
+            }
         }
     }
 
@@ -152,6 +157,15 @@ impl Writer<'_> {
             StageEquation::Quadratic([a, b, c]) => {
                 format!("{} = 0", text::combination(arena, &[(*a, &square), (*b, unknown), (*c, "")]))
             }
+            StageEquation::Quartic(forms, right) => {
+                let [first, second] = forms.each_ref().map(|[k, l, m]| {
+                    let form = text::combination(arena, &[(*k, ""), (*l, &cos), (*m, &sin)]);
+                    if form.contains(' ') { format!("({form})^2") } else { format!("{form}^2") }
+                });
+                let right = text::abbreviated(arena, *right);
+                let right = if right.contains(' ') { format!("({right})^2") } else { format!("{right}^2") };
+                format!("{first} + {second} = {right}")
+            }
         };
         (written, text::definitions(arena, &equation.coefficients()))
     }
@@ -174,6 +188,7 @@ impl Writer<'_> {
                 let twice = format!("2 {unknown}");
                 Some(format!("{} > 0", text::combination(arena, &[(*a, &twice), (*b, "")])))
             }
+            StageEquation::Quartic(..) => Some("the left side rises".to_owned()),
             StageEquation::TrigPair(..) | StageEquation::Linear(_) => None,
         }
     }

@@ -43,6 +43,10 @@ impl Solution {
             }
             Equation::Linear { a, c } => linear(unknown, &sum(a), &sum(c)),
             Equation::Quadratic { a, b, c } => quadratic(unknown, &sum(a), &sum(b), &sum(c)),
+            Equation::Quartic { forms, right } => {
+                let forms = forms.each_ref().map(|form| form.each_ref().map(&mut *sum));
+                quartic(unknown, forms, &sum(right))
+            }
         }
     }
 }
@@ -159,5 +163,16 @@ fn quadratic(unknown: &Unknown<'_>, a: &Sum, b: &Sum, c: &Sum) -> Solution {
         roots: vec![format!("{} = {above} / {below}", unknown.name)],
         remarks,
         plus: Some(format!("{} > 0", double.mul(unknown.value()).add(b.clone()))),
+    }
+}
+
+fn quartic(unknown: &Unknown<'_>, forms: [[Sum; 3]; 2], right: &Sum) -> Solution {
+    let name = unknown.name;
+    let [first, second] = forms.map(|[k, l, m]| left(unknown, &l, &m).add(k).squared());
+    Solution {
+        equations: vec![format!("{} = {}", first.add(second), right.squared())],
+        roots: Vec::new(),
+        remarks: vec!["up to four roots".to_owned(), format!("a quartic in tan({name} / 2)")],
+        plus: Some("the left side rises".to_owned()),
     }
 }
