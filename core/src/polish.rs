@@ -1,6 +1,6 @@
 //! Joint values brought nearer to a pose, step by step: the last digits of a solution whose steps were ill-conditioned.
 
-use crate::frame::{cross, dot, norm, sub};
+use crate::frame::{norm, sub};
 use crate::{Float, Frame, rotation_error};
 
 /// Joint values, and how far the tool frame that they give is from its target.
@@ -115,16 +115,7 @@ impl<const N: usize, T, S: Float> State<N, T, S> {
 /// The axis of the turn from one orientation to another, as long as the sine of its angle; for more than a quarter turn
 /// as long as 2 minus that, so that half a turn does not look like none.
 pub(crate) fn turn<S: Float>(from: &Frame<S>, to: &Frame<S>) -> [S; 3] {
-    let [[ax, bx, cx], [ay, by, cy], [az, bz, cz]] = from.rotation;
-    let [[dx, ex, fx], [dy, ey, fy], [dz, ez, fz]] = to.rotation;
-    let columns = [([ax, ay, az], [dx, dy, dz]), ([bx, by, bz], [ex, ey, ez]), ([cx, cy, cz], [fx, fy, fz])];
-    let (mut sum, mut trace) = ([S::ZERO; 3], S::ZERO);
-    for (own, wanted) in columns {
-        sum.iter_mut().zip(cross(own, wanted)).for_each(|(sum, part)| *sum += part);
-        trace += dot(own, wanted);
-    }
-    let half = S::ONE / S::TWO;
-    let sine_axis = sum.map(|x| x * half);
+    let (sine_axis, trace) = crate::frame::turn(&from.rotation, &to.rotation);
     if trace >= S::ONE {
         return sine_axis;
     }

@@ -1,6 +1,6 @@
 //! The curve of joint values that keep a pose, point by point: back onto it, along it, towards a seed, to a limit.
 
-use crate::frame::{cross, norm, sub};
+use crate::frame::{norm, sub, turn};
 use crate::solutions::travel;
 use crate::{Float, Frame};
 
@@ -46,7 +46,7 @@ where
     fn rows(&self, tool: &Frame<S>, columns: &[[S; 6]; N]) -> ([[S; N]; 6], [S; 6]) {
         let p = self.per_reach;
         let [px, py, pz] = sub(self.pose.translation, tool.translation).map(|x| x * p);
-        let [wx, wy, wz] = turn(tool, self.pose);
+        let ([wx, wy, wz], _) = turn(&tool.rotation, &self.pose.rotation);
         let mut rows = [[S::ZERO; N]; 6];
         let [r1, r2, r3, r4, r5, r6] = &mut rows;
         let entries = r1.iter_mut().zip(r2).zip(r3).zip(r4).zip(r5).zip(r6);
@@ -288,17 +288,4 @@ fn dot<const N: usize, S: Float>(a: &[S; N], b: &[S; N]) -> S {
 /// a += factor * b
 fn add<const N: usize, S: Float>(a: &mut [S; N], b: &[S; N], factor: S) {
     a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * *b);
-}
-
-/// The axis of the turn from one orientation to another, as long as the sine of its angle (rad where it is small).
-fn turn<S: Float>(from: &Frame<S>, to: &Frame<S>) -> [S; 3] {
-    let columns = |frame: &Frame<S>| {
-        let [[ax, bx, cx], [ay, by, cy], [az, bz, cz]] = frame.rotation;
-        [[ax, ay, az], [bx, by, bz], [cx, cy, cz]]
-    };
-    let mut sum = [S::ZERO; 3];
-    for (own, wanted) in columns(from).into_iter().zip(columns(to)) {
-        sum.iter_mut().zip(cross(own, wanted)).for_each(|(sum, part)| *sum += part / S::TWO);
-    }
-    sum
 }

@@ -1,6 +1,6 @@
 //! What a tool frame misses of a target as a vector, for methods that go downhill, and how it changes as the tool moves.
 
-use crate::frame::{add, cross, dot, norm, sub};
+use crate::frame::{self, add, cross, dot, norm, sub, transpose};
 use crate::{Float, Frame, Target};
 
 impl<S: Float> Target<S> {
@@ -102,28 +102,20 @@ fn perpendicular<S: Float>(direction: [S; 3]) -> [S; 3] {
 
 /// The turn from one orientation to another: its axis, as long as its angle (rad).
 fn turn<S: Float>(to: &[[S; 3]; 3], from: &[[S; 3]; 3]) -> [S; 3] {
-    let columns = |r: &[[S; 3]; 3]| {
-        let [[ax, bx, cx], [ay, by, cy], [az, bz, cz]] = *r;
-        [[ax, ay, az], [bx, by, bz], [cx, cy, cz]]
-    };
-    let (mut axis, mut trace) = ([S::ZERO; 3], S::ZERO);
-    for (own, wanted) in columns(from).into_iter().zip(columns(to)) {
-        axis = add(axis, cross(own, wanted));
-        trace += dot(own, wanted);
-    }
-    let sine = norm(axis) / S::TWO;
+    let (axis, trace) = frame::turn(from, to);
+    let sine = norm(axis);
     if sine <= S::ZERO {
         if trace >= S::ONE {
             return [S::ZERO; 3];
         }
         // Half a turn: what it leaves where it is, twice, is what any direction and its image add up to.
-        let sums = columns(from).into_iter().zip(columns(to)).map(|(own, wanted)| add(own, wanted));
+        let sums = transpose(from).into_iter().zip(transpose(to)).map(|(own, wanted)| add(own, wanted));
         let axis = sums.fold([S::ZERO; 3], |axis, sum| if norm(sum) > norm(axis) { sum } else { axis });
         let length = norm(axis);
         return axis.map(|x| x / length * S::PI);
     }
     let angle = sine.atan2((trace - S::ONE) / S::TWO);
-    axis.map(|x| x / (S::TWO * sine) * angle)
+    axis.map(|x| x / sine * angle)
 }
 
 fn yaw_off<S: Float>(yaw: S, tool: &Frame<S>) -> [S; 3] {
