@@ -21,17 +21,20 @@ mod known;
 mod line;
 mod linear;
 mod newton;
+mod posture;
 mod resultant;
 mod starts;
 mod waves;
+mod wide;
 
 use crate::Frame;
 use crate::polish::polish;
-use circuit::Circuit;
+use circuit::{Circuit, Pair};
 use known::Known;
 pub(crate) use known::same;
 use resultant::Resultant;
 use starts::{PATIENCE, STARTS, starts};
+use wide::{LANES, Wide};
 
 /// How many joints the caller leaves to be found.
 pub(crate) const JOINTS: usize = 6;
@@ -278,22 +281,55 @@ impl SixJoints<'_> {
         let likely = roots.as_slice().iter().map(|root| (*root, true));
         let places = likely.chain(roots.unlikely().iter().map(|root| (*root, false)));
         let places = places.flat_map(|place| (0..periods).map(move |turn| (place, turn)));
-        for ((root, likely), turn) in places {
-            let root = (root + f64::from(turn) * core::f64::consts::TAU) / f64::from(periods);
-            let mut hit = !likely;
-            for q in circuit.rest(resultant.others(root)).iter().flatten() {
-                let Some(solution) = scaled.nearby(&target, q) else { continue };
-                let moved = solution.iter().zip(q).map(|(to, from)| libm::fabs(to - from));
-                let moved = moved.fold(0.0, |most, x| if x > most { x } else { most });
-                outcome.moved = if moved > outcome.moved { moved } else { outcome.moved };
-                let unknown = |q: &[f64; JOINTS]| q.get(chart.unknown()).copied().unwrap_or(f64::NAN);
-                hit |= libm::fabs(unknown(&solution) - unknown(q)) <= FAR;
-                // Two roots have gone to one solution: another may have none. Where one is that should not be, the polynomial is
-                // not to be trusted.
-                outcome.doubtful |= known.insert(&solution) != likely;
-                found(&self.in_metres(solution));
+        let mut places = places.map(|((root, likely), turn)| {
+            ((root + f64::from(turn) * core::f64::consts::TAU) / f64::from(periods), likely)
+        });
+        let pair = Pair::new(&circuit);
+        loop {
+            let mut together = [None; LANES];
+            let mut roots = Wide::ZERO;
+            for ((root, place), to) in roots.0.iter_mut().zip(&mut places).zip(&mut together) {
+                *root = place.0;
+                *to = Some(place.1);
             }
-            outcome.doubtful |= !hit;
+            if together[0].is_none() {
+                break;
+            }
+            let others = resultant.others(roots);
+            let candidates = pair.as_ref().map(|pair| circuit.rest_together(pair, others));
+            let postures = candidates.as_ref().map(|values| posture::newton(&scaled, &target, values));
+            for (lane, likely) in together.into_iter().enumerate() {
+                let Some(likely) = likely else { break };
+                let mut hit = !likely;
+                let mut add = |solution: [f64; JOINTS], travel: [f64; JOINTS]| {
+                    let travel = travel.map(libm::fabs);
+                    let moved = travel.into_iter().fold(0.0, |most, x| if x > most { x } else { most });
+                    outcome.moved = if moved > outcome.moved { moved } else { outcome.moved };
+                    hit |= travel.get(chart.unknown()).is_some_and(|moved| *moved <= FAR);
+                    // Two roots have gone to one solution: another may have none. Where one is that should not be, the
+                    // polynomial is not to be trusted.
+                    outcome.doubtful |= known.insert(&solution) != likely;
+                    found(&self.in_metres(solution));
+                };
+                if let Some(postures) = postures.as_ref().filter(|postures| postures.met[lane]) {
+                    add(
+                        posture::joints(&scaled, &postures.values, lane),
+                        postures.travel.map(|travel| travel.0[lane]),
+                    );
+                } else {
+                    let candidates = match &candidates {
+                        Some(values) => [Some(posture::joints(&scaled, values, lane)), None],
+                        None => circuit.rest([0, 1, 2].map(|k| others[k].value(circuit.slides(k + 3), lane))),
+                    };
+                    for q in candidates.iter().flatten() {
+                        let Some(solution) = scaled.nearby(&target, q) else { continue };
+                        let mut travel = solution;
+                        travel.iter_mut().zip(q).for_each(|(to, from)| *to -= from);
+                        add(solution, travel);
+                    }
+                }
+                outcome.doubtful |= !hit;
+            }
         }
         // Real solutions come and go in pairs.
         outcome.doubtful |= known.len() % 2 == 1;

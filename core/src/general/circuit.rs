@@ -1,6 +1,8 @@
 //! The closed chain of an arm and its target, read from one of its joints.
 
-use super::line::{Line, Motion};
+use super::line::{Line, Motion, TURNED, UNTURNED};
+use super::posture::{Frames, Values};
+use super::wide::{Wide, cross, dot};
 use super::{Chart, JOINTS};
 use crate::Frame;
 
@@ -39,7 +41,7 @@ impl Circuit {
         circuit
     }
 
-    fn slides(&self, place: usize) -> bool {
+    pub(super) fn slides(&self, place: usize) -> bool {
         self.prismatic.get(place).copied().unwrap_or(false)
     }
 
@@ -80,6 +82,46 @@ impl Circuit {
         products
     }
 
+    /// The same for several candidates at once, and where the values are of use: not where there is but one equation for
+    /// joint 1. Joints 1 and 2 of the circuit must be revolute.
+    pub(super) fn rest_together(&self, pair: &Pair, known: [Values; 3]) -> [Values; JOINTS] {
+        let [first, between, near, third, fourth, fifth] = &self.links;
+        let mut far = Frames::all(near);
+        for ((place, values), link) in (3..).zip(&known).zip([third, fourth, fifth]) {
+            far = far.moved(values, self.slides(place)).compose(link);
+        }
+        let products = products_together(far.translation, far.z_axis());
+        let (mut ac, mut bc) = (Wide::ZERO, Wide::ZERO);
+        let ([at, cosines, sines], [aa, ab, bb]) = (&pair.parts, pair.normal);
+        for k in UNTURNED {
+            let c = products[k] - Wide::all(at[k]);
+            ac += c * cosines[k];
+            bc += c * sines[k];
+        }
+        let one = Values::towards(ac * bb - bc * ab, bc * aa - ac * ab);
+        let (cos, sin) = one.direction();
+        let (mut x, mut y) = (Wide::ZERO, Wide::ZERO);
+        for [k, l] in TURNED {
+            let seen = |k: usize| Wide::all(at[k]) + cos * cosines[k] + sin * sines[k];
+            let (a, b, c, d) = (products[k], products[l], seen(k), seen(l));
+            x += a * c + b * d;
+            y += a * d - b * c;
+        }
+        let two = Values::towards(x, y);
+        // What is left is the inverse of the joint that was dropped: the first row of the chain's rotation says it.
+        let [row, ..] = Frames::all(first).moved(&one, false).compose(between).moved(&two, false).rotation;
+        let [[a, b, _], [d, e, _], [g, h, _]] = far.rotation;
+        let dropped = Values::towards(dot(row, [a, d, g]), dot(row, [b, e, h]));
+        let mut values = [Values::ZERO; JOINTS];
+        let [three, four, five] = known;
+        for (joint, value) in self.order.iter().zip([dropped, one, two, three, four, five]) {
+            if let Some(place) = values.get_mut(*joint) {
+                *place = if self.backward { value.reversed() } else { value };
+            }
+        }
+        values
+    }
+
     /// The values of the arm's joints where those of joints 3, 4 and 5 of the circuit, in its own sense, are known: two
     /// candidates at most.
     pub(super) fn rest(&self, known: [f64; 3]) -> [Option<[f64; JOINTS]>; 2] {
@@ -116,6 +158,55 @@ impl Circuit {
             Some(q)
         })
     }
+}
+
+/// The products of the first joint's axis as joint 2 will turn them, over joint 1.
+pub(super) struct Pair {
+    /// Constant part, and those with cosine and sine of joint 1.
+    parts: [super::line::Products; 3],
+    /// Normal equations of the products that joint 2 leaves alone, for cosine and sine of joint 1: the squares of either
+    /// and the mixed one between them.
+    normal: [f64; 3],
+}
+
+impl Pair {
+    /// `None` where these products are but one equation for joint 1, and where one of the two joints slides.
+    pub(super) fn new(circuit: &Circuit) -> Option<Self> {
+        if circuit.slides(0) || circuit.slides(1) || circuit.slides(2) {
+            return None;
+        }
+        let [first, between, ..] = circuit.links;
+        let axis = Line::AXIS.moved(&first.inverse());
+        let between = between.inverse();
+        let at = thirds(false).map(|one| axis.by(&one.reversed()).moved(&between).products());
+        let [f0, f1, f2] = at;
+        let mut parts = [[0.0; super::line::PRODUCTS]; 3];
+        let [mean, cosines, sines] = &mut parts;
+        for k in 0..super::line::PRODUCTS {
+            mean[k] = (f0[k] + f1[k] + f2[k]) / 3.0;
+            cosines[k] = f0[k] - mean[k];
+            sines[k] = (f1[k] - f2[k]) / 1.732_050_807_568_877_2;
+        }
+        let mut normal = [0.0; 3];
+        for k in UNTURNED {
+            normal[0] += cosines[k] * cosines[k];
+            normal[1] += cosines[k] * sines[k];
+            normal[2] += sines[k] * sines[k];
+        }
+        let [aa, ab, bb] = normal;
+        (aa * bb - ab * ab > ONE_ROW * (aa + bb) * (aa + bb)).then_some(Self { parts, normal })
+    }
+}
+
+/// Power products of lines through points along directions.
+#[inline]
+fn products_together(p: [Wide; 3], l: [Wide; 3]) -> [Wide; super::line::PRODUCTS] {
+    let (pp, pl) = (dot(p, p), dot(p, l));
+    let [n1, n2, n3] = cross(p, l);
+    let [p1, p2, p3] = p;
+    let [l1, l2, l3] = l;
+    let last = |l: Wide, p: Wide| pp * l - (pl + pl) * p;
+    [p1, p2, p3, l1, l2, l3, pp, pl, n1, n2, n3, last(l1, p1), last(l2, p2), last(l3, p3)]
 }
 
 /// Three values of a joint, as far apart as can be.

@@ -3,8 +3,10 @@
 use super::Chart;
 use super::circuit::Circuit;
 use super::line::PRODUCTS;
-use super::linear::{determinant, eliminate, null_vector, solve};
+use super::linear::eliminate;
+use super::posture::Values;
 use super::waves::{MAX_DEGREE, Waves};
+use super::wide::{LANES, Wide, cross, dot, matrix_vector, vector_if_greater};
 
 /// Where half-angle tangents are counted from (rad): no place that a target is likely to ask for.
 const OFFSETS: [f64; 3] = [0.0, 0.734_5, -0.412_3];
@@ -35,13 +37,13 @@ pub(super) struct Resultant {
     slides: [bool; 3],
 }
 
-/// The resultant at one value of the hidden joint.
+/// The resultant at values of the hidden joint.
 struct Sample {
-    value: f64,
+    value: Wide,
     /// The products (1, s, s²) of the last joint, times 1 and t² of the eliminated one, from those times t.
-    to_first: [[f64; 3]; 3],
-    to_last: [[f64; 3]; 3],
-    kernel: [[f64; 3]; 3],
+    to_first: [[Wide; 3]; 3],
+    to_last: [[Wide; 3]; 3],
+    kernel: [[Wide; 3]; 3],
 }
 
 impl Resultant {
@@ -111,58 +113,71 @@ impl Resultant {
         Some(Self { parts, factors, pivot, chart, slides })
     }
 
-    /// At cosine and sine of the hidden joint.
+    /// At cosines and sines of the hidden joint.
     #[inline]
-    fn sample(&self, cos: f64, sin: f64) -> Sample {
+    fn sample(&self, cos: Wide, sin: Wide) -> Sample {
         let [constant, cosine, sine] = &self.parts;
-        let mut rows = [[0.0; 9]; LEFT];
-        for (((row, a), b), c) in rows.iter_mut().zip(constant).zip(cosine).zip(sine) {
+        let mut columns = [[Wide::ZERO; LEFT]; 9];
+        for r in 0..LEFT {
             for k in 0..9 {
-                row[k] = a[k] + b[k] * cos + c[k] * sin;
+                columns[k][r] = Wide::all(constant[r][k]) + cos * cosine[r][k] + sin * sine[r][k];
             }
         }
-        let size = solve::<LEFT, 9>(&mut rows);
-        let [r0, r1, r2, r3, r4, r5] = rows.map(|[.., x, y, z]| [x, y, z]);
-        let (to_first, to_last) = ([r0, r1, r2], [r3, r4, r5]);
-        let product = crate::frame::matrix_product(&to_first, &to_last);
-        let mut kernel = product.map(|row| row.map(|x| -x));
-        for (k, row) in kernel.iter_mut().enumerate() {
-            if let Some(diagonal) = row.get_mut(k) {
-                *diagonal += 1.0;
+        let size = super::wide::solve::<LEFT, 9>(&mut columns);
+        let [.., x, y, z] = columns;
+        let row = |r: usize| [x[r], y[r], z[r]];
+        let (to_first, to_last) = ([row(0), row(1), row(2)], [row(3), row(4), row(5)]);
+        let mut kernel = [[Wide::ZERO; 3]; 3];
+        for i in 0..3 {
+            for k in 0..3 {
+                let unit = if i == k { Wide::ONE } else { Wide::ZERO };
+                kernel[i][k] = unit
+                    - to_first[i][0] * to_last[0][k]
+                    - to_first[i][1] * to_last[1][k]
+                    - to_first[i][2] * to_last[2][k];
             }
         }
-        Sample { value: size * size * determinant(&kernel), to_first, to_last, kernel }
+        let [[a, b, c], [d, e, f], [g, h, i]] = kernel;
+        let determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
+        Sample { value: size * size * determinant, to_first, to_last, kernel }
     }
 
     /// What stays 0 for every target where joints 3, 4 and 5 alone make it so.
-    fn divisor(&self, cos: f64, sin: f64) -> f64 {
-        let mut product = 1.0;
+    fn divisor(&self, cos: Wide, sin: Wide) -> Wide {
+        let mut product = Wide::ONE;
         for [[a, b], [c, d], [e, f]] in self.factors {
-            let (real, imaginary) = (c + e * cos - f * sin, d + e * sin + f * cos);
+            let [a, b, c, d] = [a, b, c, d].map(Wide::all);
+            let (real, imaginary) = (c + cos * e - sin * f, d + sin * e + cos * f);
             let (real, imaginary) = (a + real * cos - imaginary * sin, b + real * sin + imaginary * cos);
-            product *= real * real + imaginary * imaginary;
+            product = product * (real * real + imaginary * imaginary);
         }
         product
     }
 
     /// The polynomial, and the noise of its coefficients relative to the greatest.
     pub(super) fn waves(&self) -> (Waves, f64) {
-        const MOST: usize = 2 * MAX_DEGREE + 6;
+        const MOST: usize = (2 * MAX_DEGREE + 6).next_multiple_of(LANES);
         let degree = usize::from(self.chart.degree).min(MAX_DEGREE);
         let period = 1.0 / f64::from(self.chart.periods.max(1));
         // Enough to see the two harmonics above the degree, which must be 0: one odd, one even.
-        let count = 2 * degree + 6;
+        let count = (2 * degree + 4).next_multiple_of(LANES);
         let mut circle = [[0.0; 2]; MOST];
         let mut values = [0.0; MOST];
         let turn = core::f64::consts::TAU / count as f64;
         let (step_sin, step_cos) = libm::sincos(turn);
         let (mut cos, mut sin) = (1.0, 0.0);
-        for (k, (place, value)) in circle.iter_mut().zip(&mut values).enumerate().take(count) {
+        for place in circle.iter_mut().take(count) {
             *place = [cos, sin];
             (cos, sin) = (cos * step_cos - sin * step_sin, sin * step_cos + cos * step_sin);
+        }
+        for (k, values) in values.as_chunks_mut::<LANES>().0.iter_mut().enumerate().take(count / LANES) {
             // Half a step off, where factors that are divided out have no roots for reasons of symmetry.
-            let (sin, cos) = libm::sincos((k as f64 + 0.5) * turn * period);
-            *value = self.sample(cos, sin).value / self.divisor(cos, sin);
+            let (mut cos, mut sin) = (Wide::ZERO, Wide::ZERO);
+            for (lane, (cos, sin)) in cos.0.iter_mut().zip(&mut sin.0).enumerate() {
+                let angle = ((LANES * k + lane) as f64 + 0.5) * turn * period;
+                (*sin, *cos) = crate::Float::sin_cos(angle);
+            }
+            *values = (self.sample(cos, sin).value / self.divisor(cos, sin)).0;
         }
         let mut coefficients = [[0.0; 2]; MAX_DEGREE + 1];
         let mut greatest = 0.0;
@@ -195,56 +210,70 @@ impl Resultant {
         (Waves::new(coefficients, degree, noise), noise)
     }
 
-    /// Joints 3, 4 and 5 of the circuit where the hidden one is at a root.
-    pub(super) fn others(&self, root: f64) -> [f64; 3] {
-        let (sin, cos) = libm::sincos(root);
+    /// Joints 3, 4 and 5 of the circuit where the hidden one is at roots.
+    pub(super) fn others(&self, roots: Wide) -> [Values; 3] {
+        let hidden = Values::new(false, roots);
+        let (cos, sin) = hidden.direction();
         let sample = self.sample(cos, sin);
         let middle = null_vector(&sample.kernel);
-        let first = crate::frame::matrix_vector(&sample.to_first, middle).map(|x| -x);
-        let last = crate::frame::matrix_vector(&sample.to_last, middle).map(|x| -x);
-        let square = |v: [f64; 3]| crate::frame::dot(v, v);
+        let first = matrix_vector(&sample.to_first, middle).map(|x| -x);
+        let last = matrix_vector(&sample.to_last, middle).map(|x| -x);
+        let [in_first, in_middle, in_last] = [first, middle, last].map(|v| dot(v, v));
         // t is the ratio of two of these three vectors: of those that are not next to 0.
-        let (below, above) = if square(first) > square(last) { (first, middle) } else { (middle, last) };
-        let greatest = [first, middle, last]
-            .into_iter()
-            .fold(middle, |most, v| if square(v) > square(most) { v } else { most });
-        let mut index = 0;
-        let mut most = -1.0;
-        for (k, (a, b)) in below.iter().zip(above).enumerate() {
-            let size = libm::fabs(*a) + libm::fabs(b);
-            if size > most {
-                (index, most) = (k, size);
-            }
+        let below = vector_if_greater(in_first, in_last, first, middle);
+        let above = vector_if_greater(in_first, in_last, middle, last);
+        let mut ratio = (Wide::ZERO, Wide::ZERO);
+        let mut most = -Wide::ONE;
+        for (a, b) in below.into_iter().zip(above) {
+            let size = a.abs() + b.abs();
+            ratio = (size.if_greater(most, b, ratio.0), size.if_greater(most, a, ratio.1));
+            most = size.if_greater(most, size, most);
         }
-        let pick = |v: [f64; 3]| v.get(index).copied().unwrap_or(0.0);
-        let [zero, one, two] = greatest;
-        let ratio = if libm::fabs(zero) >= libm::fabs(two) { (one, zero) } else { (two, one) };
-        let [_, first, last] = places(self.chart);
-        let hidden = usize::from(self.chart.hidden % 3);
-        let mut values = [0.0; 3];
+        let greatest = vector_if_greater(in_first, in_middle, first, middle);
+        let size = in_first.if_greater(in_middle, in_first, in_middle);
+        let [zero, one, two] = vector_if_greater(in_last, size, last, greatest);
+        let (in_zero, in_two) = (zero.abs(), two.abs());
+        let other = (in_two.if_greater(in_zero, two, one), in_two.if_greater(in_zero, one, zero));
+        let [hidden_place, first, last] = places(self.chart);
+        let offset = OFFSETS.get(hidden_place).map_or(Values::ZERO, |at| Values::new(false, Wide::all(*at)));
+        let mut values = [Values::ZERO; 3];
         for (place, value) in [
-            (hidden, root),
-            (first, self.joint(first, pick(above), pick(below))),
-            (last, self.joint(last, ratio.0, ratio.1)),
+            (hidden_place, hidden.turned_by(&offset)),
+            (first, self.joint(first, ratio)),
+            (last, self.joint(last, other)),
         ] {
             if let Some(to) = values.get_mut(place) {
-                *to = value + if place == hidden { hidden_offset(hidden) } else { 0.0 };
+                *to = value;
             }
         }
         values
     }
 
-    /// The value of a joint whose half-angle tangent is a ratio.
-    fn joint(&self, place: usize, numerator: f64, denominator: f64) -> f64 {
+    /// The values of a joint whose half-angle tangents are ratios.
+    fn joint(&self, place: usize, (numerator, denominator): (Wide, Wide)) -> Values {
         if self.slides.get(place).copied().unwrap_or(false) {
-            return numerator / denominator;
+            return Values::slid(numerator / denominator);
         }
-        2.0 * libm::atan2(numerator, denominator) + OFFSETS.get(place).copied().unwrap_or(0.0)
+        let (above, below) = (numerator * numerator, denominator * denominator);
+        let scale = Wide::ONE / (above + below);
+        let product = numerator * denominator;
+        let turned = Values::turned((below - above) * scale, (product + product) * scale);
+        let offset = OFFSETS.get(place).copied().unwrap_or(0.0);
+        turned.turned_by(&Values::new(false, Wide::all(offset)))
     }
 }
 
-fn hidden_offset(place: usize) -> f64 {
-    OFFSETS.get(place).copied().unwrap_or(0.0)
+/// The vectors that are nearest to being sent to 0 by matrices of rank 2: the greatest cross products of two rows.
+fn null_vector(rows: &[[Wide; 3]; 3]) -> [Wide; 3] {
+    let [a, b, c] = *rows;
+    let mut best = cross(a, b);
+    let mut greatest = dot(best, best);
+    for vector in [cross(b, c), cross(c, a)] {
+        let size = dot(vector, vector);
+        best = vector_if_greater(size, greatest, vector, best);
+        greatest = size.if_greater(greatest, size, greatest);
+    }
+    best
 }
 
 /// How much of a row is in an equation: the first six rows are equations, further ones are spread over them.

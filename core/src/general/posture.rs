@@ -1,0 +1,254 @@
+//! Several sets of joint values at once, brought to one pose by Newton's method where it converges as it should.
+
+use super::wide::{LANES, Wide, cross, dot, solve};
+use super::{JOINTS, SixJoints};
+use crate::Frame;
+
+/// The most steps.
+const STEPS: usize = 5;
+/// A longer step (rad, reaches) is not one of the quadratic convergence that is hoped for.
+const LONGEST: f64 = 0.1;
+/// After a step this short (rad, reaches) the pose is met to the last digit: what is left of the error is its square.
+const SHORT: f64 = 1e-8;
+
+/// Values of one joint: cosines and sines of turns, or slides (reaches).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Values {
+    cos: Wide,
+    sin: Wide,
+    slide: Wide,
+}
+
+impl Values {
+    pub(super) const ZERO: Self = Self { cos: Wide::ONE, sin: Wide::ZERO, slide: Wide::ZERO };
+
+    /// Turns, by their cosines and sines.
+    #[inline]
+    pub(super) const fn turned(cos: Wide, sin: Wide) -> Self {
+        Self { cos, sin, slide: Wide::ZERO }
+    }
+
+    /// Turns in the direction of points.
+    #[inline]
+    pub(super) fn towards(x: Wide, y: Wide) -> Self {
+        let scale = Wide::ONE / (x * x + y * y).sqrt();
+        Self::turned(x * scale, y * scale)
+    }
+
+    /// Slides.
+    #[inline]
+    pub(super) const fn slid(slide: Wide) -> Self {
+        Self { slide, ..Self::ZERO }
+    }
+
+    /// Cosines and sines.
+    #[inline]
+    pub(super) const fn direction(&self) -> (Wide, Wide) {
+        (self.cos, self.sin)
+    }
+
+    /// From a number a lane (rad, reaches).
+    pub(super) fn new(slides: bool, values: Wide) -> Self {
+        if slides {
+            return Self::slid(values);
+        }
+        let mut turned = Self::ZERO;
+        for ((cos, sin), value) in turned.cos.0.iter_mut().zip(&mut turned.sin.0).zip(values.0) {
+            (*sin, *cos) = crate::Float::sin_cos(value);
+        }
+        turned
+    }
+
+    /// The other way round.
+    #[inline]
+    pub(super) fn reversed(&self) -> Self {
+        Self { cos: self.cos, sin: -self.sin, slide: -self.slide }
+    }
+
+    /// Turned further.
+    #[inline]
+    pub(super) fn turned_by(&self, other: &Self) -> Self {
+        Self::turned(self.cos * other.cos - self.sin * other.sin, self.sin * other.cos + self.cos * other.sin)
+    }
+
+    /// A small step (rad, reaches) further: to the third order of it, which is as good as exact for steps that become shorter.
+    #[inline]
+    fn step(&self, slides: bool, by: Wide) -> Self {
+        if slides {
+            return Self::slid(self.slide + by);
+        }
+        let half = by * 0.5;
+        let scale = Wide::ONE / (Wide::ONE + half * half);
+        self.turned_by(&Self::turned((Wide::ONE - half * half) * scale, (half + half) * scale))
+    }
+
+    /// As a number (rad, reaches).
+    #[inline]
+    pub(super) fn value(&self, slides: bool, lane: usize) -> f64 {
+        let pick = |list: Wide| list.0.get(lane).copied().unwrap_or(f64::NAN);
+        if slides { pick(self.slide) } else { crate::Float::atan2(pick(self.sin), pick(self.cos)) }
+    }
+}
+
+/// A frame a lane.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Frames {
+    pub(super) rotation: [[Wide; 3]; 3],
+    pub(super) translation: [Wide; 3],
+}
+
+impl Frames {
+    /// The same in all lanes.
+    #[inline]
+    pub(super) fn all(frame: &Frame) -> Self {
+        let [[a, b, c], [d, e, f], [g, h, i]] = frame.rotation;
+        let [x, y, z] = frame.translation;
+        let row = |a, b, c| [Wide::all(a), Wide::all(b), Wide::all(c)];
+        Self { rotation: [row(a, b, c), row(d, e, f), row(g, h, i)], translation: row(x, y, z) }
+    }
+
+    /// Moved along or about their z axes.
+    #[inline]
+    pub(super) fn moved(&self, by: &Values, slides: bool) -> Self {
+        let Self { rotation: [[a, b, c], [d, e, f], [g, h, i]], translation: [x, y, z] } = *self;
+        if slides {
+            let step = by.slide;
+            return Self { translation: [x + c * step, y + f * step, z + i * step], ..*self };
+        }
+        let (t, s) = (by.cos, by.sin);
+        Self {
+            rotation: [
+                [t * a + s * b, t * b - s * a, c],
+                [t * d + s * e, t * e - s * d, f],
+                [t * g + s * h, t * h - s * g, i],
+            ],
+            translation: [x, y, z],
+        }
+    }
+
+    /// With a fixed frame behind each.
+    #[inline]
+    pub(super) fn compose(&self, frame: &Frame) -> Self {
+        let [[a, b, c], [d, e, f], [g, h, i]] = frame.rotation;
+        let [x, y, z] = frame.translation;
+        let mut product = *self;
+        for (to, [p, q, r]) in product.rotation.iter_mut().zip(self.rotation) {
+            *to = [p * a + q * d + r * g, p * b + q * e + r * h, p * c + q * f + r * i];
+        }
+        for (to, [p, q, r]) in product.translation.iter_mut().zip(self.rotation) {
+            *to += p * x + q * y + r * z;
+        }
+        product
+    }
+
+    /// Directions of their z axes.
+    #[inline]
+    pub(super) const fn z_axis(&self) -> [Wide; 3] {
+        let [[.., x], [.., y], [.., z]] = self.rotation;
+        [x, y, z]
+    }
+}
+
+/// Sets of joint values, and what became of each.
+pub(super) struct Postures {
+    pub(super) values: [Values; JOINTS],
+    /// How far every joint has gone (rad, reaches).
+    pub(super) travel: [Wide; JOINTS],
+    /// Whether the pose is met.
+    pub(super) met: [bool; LANES],
+    /// The determinant of the Jacobian (reaches, rad).
+    pub(super) determinant: Wide,
+}
+
+/// Joint values (rad, reaches) of a lane.
+pub(super) fn joints(arm: &SixJoints<'_>, values: &[Values; JOINTS], lane: usize) -> [f64; JOINTS] {
+    let mut q = [0.0; JOINTS];
+    for ((q, values), slides) in q.iter_mut().zip(values).zip(arm.prismatic) {
+        *q = values.value(slides, lane);
+    }
+    q
+}
+
+/// The joint values near others at which the tip is at its target, lengths in reaches. Those from which the way is far
+/// or leads through singular places do not meet it: there, damped steps may help.
+pub(super) fn newton(arm: &SixJoints<'_>, target: &Frame, from: &[Values; JOINTS]) -> Postures {
+    let mut postures = Postures {
+        values: *from,
+        travel: [Wide::ZERO; JOINTS],
+        met: [false; LANES],
+        determinant: Wide::ZERO,
+    };
+    let mut lost = [false; LANES];
+    for _ in 0..STEPS {
+        let (mut columns, trace) = system(arm, target, &postures.values);
+        let determinant = solve::<JOINTS, { JOINTS + 1 }>(&mut columns);
+        let [.., mut steps] = columns;
+        let mut longest = Wide::ZERO;
+        for step in &steps {
+            // Not a number is longest.
+            longest = longest.if_greater(step.abs(), longest, step.abs());
+        }
+        for lane in 0..LANES {
+            if postures.met[lane] || lost[lane] {
+                for step in &mut steps {
+                    step.0[lane] = 0.0;
+                }
+                continue;
+            }
+            postures.determinant.0[lane] = determinant.0[lane];
+            // A turn of more than a quarter, which the error doesn't say, or a step that leads away.
+            if trace.0[lane] > 1.0 && longest.0[lane] <= LONGEST {
+                postures.met[lane] = longest.0[lane] <= SHORT;
+            } else {
+                lost[lane] = true;
+                for step in &mut steps {
+                    step.0[lane] = 0.0;
+                }
+            }
+        }
+        let places = postures.values.iter_mut().zip(&mut postures.travel);
+        for (((values, travel), step), slides) in places.zip(steps).zip(arm.prismatic) {
+            *values = values.step(slides, step);
+            *travel += step;
+        }
+        if (0..LANES).all(|lane| postures.met[lane] || lost[lane]) {
+            break;
+        }
+    }
+    postures
+}
+
+/// The columns of the Jacobian and what is left of the way to the target (position in reaches, then the turn in rad, for
+/// small ones), and the trace of that turn.
+#[inline]
+fn system(
+    arm: &SixJoints<'_>,
+    target: &Frame,
+    values: &[Values; JOINTS],
+) -> ([[Wide; JOINTS]; JOINTS + 1], Wide) {
+    let [base, links @ ..] = &arm.links;
+    let mut frame = Frames::all(base);
+    let mut axes = [([Wide::ZERO; 3], [Wide::ZERO; 3]); JOINTS];
+    for (((values, link), slides), axis) in values.iter().zip(links).zip(arm.prismatic).zip(&mut axes) {
+        *axis = (frame.z_axis(), frame.translation);
+        frame = frame.moved(values, slides).compose(link);
+    }
+    let tip = frame.translation;
+    let sub = |[a, b, c]: [Wide; 3], [d, e, f]: [Wide; 3]| [a - d, b - e, c - f];
+    let mut columns = [[Wide::ZERO; JOINTS]; JOINTS + 1];
+    for ((column, (axis, origin)), slides) in columns.iter_mut().zip(axes).zip(arm.prismatic) {
+        let [wx, wy, wz] = if slides { [Wide::ZERO; 3] } else { axis };
+        let [vx, vy, vz] = if slides { axis } else { cross(axis, sub(tip, origin)) };
+        *column = [vx, vy, vz, wx, wy, wz];
+    }
+    let target = Frames::all(target);
+    let [px, py, pz] = sub(target.translation, tip);
+    let [[ax, bx, cx], [ay, by, cy], [az, bz, cz]] = frame.rotation;
+    let [[dx, ex, fx], [dy, ey, fy], [dz, ez, fz]] = target.rotation;
+    let pairs = [([ax, ay, az], [dx, dy, dz]), ([bx, by, bz], [ex, ey, ez]), ([cx, cy, cz], [fx, fy, fz])];
+    let [[a1, a2, a3], [b1, b2, b3], [c1, c2, c3]] = pairs.map(|(own, wanted)| cross(own, wanted));
+    let [x, y, z] = [a1 + b1 + c1, a2 + b2 + c2, a3 + b3 + c3].map(|sum| sum * 0.5);
+    let [a, b, c] = pairs.map(|(own, wanted)| dot(own, wanted));
+    columns[JOINTS] = [px, py, pz, x, y, z];
+    (columns, a + b + c)
+}
