@@ -21,17 +21,20 @@ mod known;
 mod line;
 mod linear;
 mod newton;
+mod pair;
 mod posture;
 mod resultant;
 mod starts;
+mod triple;
 mod waves;
 mod wide;
 
 use crate::Frame;
 use crate::polish::polish;
-use circuit::{Circuit, Pair};
+use circuit::Circuit;
 use known::Known;
 pub(crate) use known::same;
+use pair::Pair;
 use resultant::Resultant;
 use starts::{PATIENCE, STARTS, starts};
 use wide::{LANES, Wide};
@@ -263,7 +266,8 @@ impl SixJoints<'_> {
     ) -> Outcome {
         let scaled = self.scaled();
         let circuit = scaled.circuit(chart, &self.in_reaches(from));
-        let Some(resultant) = Resultant::new(&circuit, chart) else {
+        let pair = Pair::new(&circuit);
+        let Some(resultant) = Resultant::new(&circuit, pair.as_ref(), chart) else {
             return Outcome::UNKNOWN;
         };
         let (waves, noise) = resultant.waves();
@@ -284,7 +288,6 @@ impl SixJoints<'_> {
         let mut places = places.map(|((root, likely), turn)| {
             ((root + f64::from(turn) * core::f64::consts::TAU) / f64::from(periods), likely)
         });
-        let pair = Pair::new(&circuit);
         loop {
             let mut together = [None; LANES];
             let mut roots = Wide::ZERO;
@@ -365,7 +368,8 @@ impl SixJoints<'_> {
     /// chart's degree is too low.
     pub fn noise(&self, chart: Chart, pose: &Frame) -> f64 {
         let circuit = self.scaled().circuit(chart, &self.in_reaches(pose));
-        Resultant::new(&circuit, chart).map_or(f64::INFINITY, |resultant| resultant.waves().1)
+        Resultant::new(&circuit, Pair::new(&circuit).as_ref(), chart)
+            .map_or(f64::INFINITY, |resultant| resultant.waves().1)
     }
 
     fn circuit(&self, chart: Chart, pose: &Frame) -> Circuit {

@@ -1,6 +1,7 @@
 //! The closed chain of an arm and its target, read from one of its joints.
 
-use super::line::{Line, Motion, TURNED, UNTURNED};
+use super::line::{Line, Motion, PRODUCTS, Products, TURNED, UNTURNED};
+use super::pair::Pair;
 use super::posture::{Frames, Values};
 use super::wide::{Wide, cross, dot};
 use super::{Chart, JOINTS};
@@ -50,7 +51,7 @@ impl Circuit {
     }
 
     /// The products of the first joint's axis as joints 1 and 2 see it, at three values of each.
-    pub(super) fn pair(&self) -> [[super::line::Products; 3]; 3] {
+    pub(super) fn pair(&self) -> [[Products; 3]; 3] {
         let [first, between, ..] = self.links;
         let axis = Line::AXIS.moved(&first.inverse());
         let between = between.inverse();
@@ -58,28 +59,6 @@ impl Circuit {
             let seen = axis.by(&one.reversed()).moved(&between);
             thirds(self.slides(2)).map(|two| seen.by(&two.reversed()).products())
         })
-    }
-
-    /// The products of the first joint's axis as joints 3, 4 and 5 carry it, at three values of each.
-    pub(super) fn triple(&self, offsets: &[f64; 3]) -> [[[super::line::Products; 3]; 3]; 3] {
-        let [.., near, third, fourth, fifth] = self.links;
-        let [at3, at4, at5] = *offsets;
-        let axis = Line::AXIS.moved(&fifth);
-        let mut products = [[[[0.0; super::line::PRODUCTS]; 3]; 3]; 3];
-        for (k, five) in quarters(self.slides(5), at5).iter().enumerate() {
-            let carried = axis.by(five).moved(&fourth);
-            for (j, four) in quarters(self.slides(4), at4).iter().enumerate() {
-                let carried = carried.by(four).moved(&third);
-                for (i, three) in quarters(self.slides(3), at3).iter().enumerate() {
-                    let place =
-                        products.get_mut(i).and_then(|list| list.get_mut(j)).and_then(|list| list.get_mut(k));
-                    if let Some(place) = place {
-                        *place = carried.by(three).moved(&near).products();
-                    }
-                }
-            }
-        }
-        products
     }
 
     /// The same for several candidates at once, and where the values are of use: not where there is but one equation for
@@ -160,47 +139,9 @@ impl Circuit {
     }
 }
 
-/// The products of the first joint's axis as joint 2 will turn them, over joint 1.
-pub(super) struct Pair {
-    /// Constant part, and those with cosine and sine of joint 1.
-    parts: [super::line::Products; 3],
-    /// Normal equations of the products that joint 2 leaves alone, for cosine and sine of joint 1: the squares of either
-    /// and the mixed one between them.
-    normal: [f64; 3],
-}
-
-impl Pair {
-    /// `None` where these products are but one equation for joint 1, and where one of the two joints slides.
-    pub(super) fn new(circuit: &Circuit) -> Option<Self> {
-        if circuit.slides(0) || circuit.slides(1) || circuit.slides(2) {
-            return None;
-        }
-        let [first, between, ..] = circuit.links;
-        let axis = Line::AXIS.moved(&first.inverse());
-        let between = between.inverse();
-        let at = thirds(false).map(|one| axis.by(&one.reversed()).moved(&between).products());
-        let [f0, f1, f2] = at;
-        let mut parts = [[0.0; super::line::PRODUCTS]; 3];
-        let [mean, cosines, sines] = &mut parts;
-        for k in 0..super::line::PRODUCTS {
-            mean[k] = (f0[k] + f1[k] + f2[k]) / 3.0;
-            cosines[k] = f0[k] - mean[k];
-            sines[k] = (f1[k] - f2[k]) / 1.732_050_807_568_877_2;
-        }
-        let mut normal = [0.0; 3];
-        for k in UNTURNED {
-            normal[0] += cosines[k] * cosines[k];
-            normal[1] += cosines[k] * sines[k];
-            normal[2] += sines[k] * sines[k];
-        }
-        let [aa, ab, bb] = normal;
-        (aa * bb - ab * ab > ONE_ROW * (aa + bb) * (aa + bb)).then_some(Self { parts, normal })
-    }
-}
-
 /// Power products of lines through points along directions.
 #[inline]
-fn products_together(p: [Wide; 3], l: [Wide; 3]) -> [Wide; super::line::PRODUCTS] {
+fn products_together(p: [Wide; 3], l: [Wide; 3]) -> [Wide; PRODUCTS] {
     let (pp, pl) = (dot(p, p), dot(p, l));
     let [n1, n2, n3] = cross(p, l);
     let [p1, p2, p3] = p;
@@ -210,7 +151,7 @@ fn products_together(p: [Wide; 3], l: [Wide; 3]) -> [Wide; super::line::PRODUCTS
 }
 
 /// Three values of a joint, as far apart as can be.
-fn thirds(prismatic: bool) -> [Motion; 3] {
+pub(super) fn thirds(prismatic: bool) -> [Motion; 3] {
     if prismatic {
         return [0.0, 1.0, -1.0].map(|value| Motion::new(true, value));
     }
@@ -219,15 +160,6 @@ fn thirds(prismatic: bool) -> [Motion; 3] {
 
 /// The sine of a third of a turn.
 const SIN_THIRD: f64 = 0.866_025_403_784_438_6;
-
-/// An offset, a quarter turn from there, and half a turn from there; 0, 1 and -1 for a slide.
-fn quarters(prismatic: bool, offset: f64) -> [Motion; 3] {
-    if prismatic {
-        return [0.0, 1.0, -1.0].map(|value| Motion::new(true, value));
-    }
-    let (sin, cos) = libm::sincos(offset);
-    [Motion::turned(cos, sin), Motion::turned(-sin, cos), Motion::turned(-cos, -sin)]
-}
 
 /// The joint value at which six quantities, given at its three values of [`thirds`], are nearest to what is wanted.
 fn fit(prismatic: bool, [at0, at1, at2]: [&[f64; 6]; 3], wanted: &[f64; 6]) -> [Option<f64>; 2] {
@@ -276,7 +208,7 @@ fn fit(prismatic: bool, [at0, at1, at2]: [&[f64; 6]; 3], wanted: &[f64; 6]) -> [
 }
 
 /// Below this share of its size, the determinant of the normal equations says that there is but one equation.
-const ONE_ROW: f64 = 1e-14;
+pub(super) const ONE_ROW: f64 = 1e-14;
 
 /// The roots of a x² + b x + c, or the place of the vertex.
 fn roots_of_square(a: f64, b: f64, c: f64) -> [Option<f64>; 2] {

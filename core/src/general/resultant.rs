@@ -2,9 +2,11 @@
 
 use super::Chart;
 use super::circuit::Circuit;
-use super::line::PRODUCTS;
+use super::line::{PRODUCTS, UNTURNED};
 use super::linear::eliminate;
+use super::pair::{Pair, Sums};
 use super::posture::Values;
+use super::triple::{self, Quadratic, Samples, TRIPLE, UNITY};
 use super::waves::{MAX_DEGREE, Waves};
 use super::wide::{LANES, Wide, cross, dot, matrix_vector, vector_if_greater};
 
@@ -13,15 +15,13 @@ const OFFSETS: [f64; 3] = [0.0, 0.734_5, -0.412_3];
 
 /// Products that the first two joints of the circuit have beside 1.
 const PAIR: usize = 8;
-/// Samples of the other three.
-const TRIPLE: usize = 27;
 const COLUMNS: usize = PAIR + TRIPLE;
 /// Equations that are left.
-const LEFT: usize = PRODUCTS - PAIR;
+pub(super) const LEFT: usize = PRODUCTS - PAIR;
 
 /// Six equations, each a + b cos x + c sin x of the hidden joint, for the products of half-angle tangents: those of the
 /// last joint (1, s, s²) times 1, times t² and times t of the joint that the resultant eliminates.
-type Block = [[f64; 9]; LEFT];
+type Block = [[f64; LEFT]; 9];
 
 /// The equations in three joints.
 #[derive(Debug, Clone, Copy)]
@@ -29,7 +29,7 @@ pub(super) struct Resultant {
     /// Constant part, and those with cosine and sine of the hidden joint.
     parts: [Block; 3],
     /// What the resultant is to be divided by: two quadratics in exp(i x), complex coefficients from the constant on.
-    factors: [[[f64; 2]; 3]; 2],
+    factors: [Quadratic; 2],
     /// The last pivot of the first elimination beside its greatest.
     pub(super) pivot: f64,
     chart: Chart,
@@ -47,69 +47,52 @@ struct Sample {
 }
 
 impl Resultant {
-    /// Eliminates joints 1 and 2 of the circuit. `None` where fewer than six equations are left.
-    pub(super) fn new(circuit: &Circuit, chart: Chart) -> Option<Self> {
+    /// Eliminates joints 1 and 2 of the circuit. `None` where the joint that is to be hidden slides.
+    pub(super) fn new(circuit: &Circuit, pair: Option<&Pair>, chart: Chart) -> Option<Self> {
         let [_, _, _, slides @ ..] = circuit.prismatic;
-        let mut rows = [[0.0; COLUMNS]; PRODUCTS];
-        let pair = circuit.pair();
-        let triple = order(&circuit.triple(&OFFSETS), chart);
-        let [[constant, ..], ..] = pair;
-        let columns = pair.iter().flatten().skip(1).chain(triple.iter().flatten().flatten());
-        for (index, column) in columns.enumerate() {
-            for ((row, value), constant) in rows.iter_mut().zip(column).zip(constant) {
-                if let Some(place) = row.get_mut(index) {
-                    *place = value - constant;
-                }
-            }
-        }
-        let (rank, pivot) = eliminate(&mut rows, PAIR);
-        let mut equations = [[0.0; TRIPLE]; LEFT];
-        // Where the two joints take fewer equations, the rest is added to the six: any six independent sums will do.
-        for (index, row) in rows.iter().skip(rank).enumerate() {
-            let [_, _, _, _, _, _, _, _, samples @ ..] = row;
-            let greatest = samples
-                .iter()
-                .fold(0.0, |most: f64, x| if libm::fabs(*x) > most { libm::fabs(*x) } else { most });
-            if greatest <= 0.0 {
-                continue;
-            }
-            for (k, equation) in equations.iter_mut().enumerate() {
-                let weight = weight(index, k);
-                if weight != 0.0 {
-                    for (place, value) in equation.iter_mut().zip(samples) {
-                        *place += weight / greatest * value;
-                    }
-                }
-            }
-        }
-        let [hidden, first, last] = places(chart).map(|place| slides.get(place).copied().unwrap_or(false));
+        let order = places(chart);
+        let [hidden, first, last] = order.map(|place| slides.get(place).copied().unwrap_or(false));
         if hidden {
             return None;
         }
-        let mut parts = [[[0.0; 9]; LEFT]; 3];
-        let [constants, cosines, sines] = &mut parts;
-        let blocks = constants.iter_mut().zip(cosines).zip(sines);
-        for (equation, ((constant, cosine), sine)) in equations.iter().zip(blocks) {
-            let mut faces = [[[0.0; 3]; 3]; 3];
-            for (face, samples) in faces.iter_mut().zip(equation.as_chunks::<9>().0) {
-                let [a, b, c, d, e, f, g, h, i] = *samples;
-                let [x, y, z] = [powers([a, b, c], last), powers([d, e, f], last), powers([g, h, i], last)];
-                for k in 0..3 {
-                    [face[0][k], face[1][k], face[2][k]] = powers([x[k], y[k], z[k]], first);
-                }
-            }
-            // Samples at an angle, a quarter and half a turn from there.
-            let [at0, at1, at2] = faces;
-            for (from, to) in [(0, 0), (2, 3), (1, 6)] {
-                for k in 0..3 {
-                    let mean = f64::midpoint(at0[from][k], at2[from][k]);
-                    constant[to + k] = mean;
-                    cosine[to + k] = at0[from][k] - mean;
-                    sine[to + k] = at1[from][k] - mean;
-                }
+        let samples = triple::samples(circuit, &OFFSETS, order);
+        let sums = pair.and_then(|pair| Some((pair, pair.sums()?)));
+        let (mut equations, pivot) = match sums {
+            Some((pair, sums)) => (pair_eliminated(&samples, pair, &sums), 1.0),
+            None => eliminated(&samples, circuit),
+        };
+        let mut greatest = [0.0; LEFT];
+        for sample in &equations {
+            for (most, x) in greatest.iter_mut().zip(sample) {
+                *most = if x.abs() > *most { x.abs() } else { *most };
             }
         }
-        let factors = if chart.divided { [factor(&triple, 1.0), factor(&triple, -1.0)] } else { [UNITY; 2] };
+        let scale = greatest.map(|x| if x > 0.0 { 1.0 / x } else { 0.0 });
+        for sample in &mut equations {
+            sample.iter_mut().zip(scale).for_each(|(x, scale)| *x *= scale);
+        }
+        for row in equations.as_chunks_mut::<3>().0 {
+            *row = powers(row, last);
+        }
+        for face in equations.as_chunks_mut::<9>().0 {
+            for k in 0..3 {
+                [face[k], face[k + 3], face[k + 6]] = powers(&[face[k], face[k + 3], face[k + 6]], first);
+            }
+        }
+        // Samples at an angle, a quarter and half a turn from there.
+        let mut parts = [[[0.0; LEFT]; 9]; 3];
+        let [constants, cosines, sines] = &mut parts;
+        let (at0, rest) = equations.split_at(9);
+        let (at1, at2) = rest.split_at(9);
+        for (to, from) in [0, 1, 2, 6, 7, 8, 3, 4, 5].into_iter().enumerate() {
+            for r in 0..LEFT {
+                let mean = 0.5 * (at0[from][r] + at2[from][r]);
+                constants[to][r] = mean;
+                cosines[to][r] = at0[from][r] - mean;
+                sines[to][r] = at1[from][r] - mean;
+            }
+        }
+        let factors = if chart.divided { triple::factors(&samples) } else { [UNITY; 2] };
         Some(Self { parts, factors, pivot, chart, slides })
     }
 
@@ -120,7 +103,7 @@ impl Resultant {
         let mut columns = [[Wide::ZERO; LEFT]; 9];
         for r in 0..LEFT {
             for k in 0..9 {
-                columns[k][r] = Wide::all(constant[r][k]) + cos * cosine[r][k] + sin * sine[r][k];
+                columns[k][r] = Wide::all(constant[k][r]) + cos * cosine[k][r] + sin * sine[k][r];
             }
         }
         let size = super::wide::solve::<LEFT, 9>(&mut columns);
@@ -296,83 +279,71 @@ fn places(chart: Chart) -> [usize; 3] {
     if chart.swapped { [hidden, last, first] } else { [hidden, first, last] }
 }
 
-/// The samples with the hidden joint first, then the one to be eliminated.
-fn order(samples: &Samples, chart: Chart) -> Samples {
-    let [hidden, first, last] = places(chart);
-    let mut sorted = [[[[0.0; PRODUCTS]; 3]; 3]; 3];
-    for (i, face) in sorted.iter_mut().enumerate() {
-        for (j, row) in face.iter_mut().enumerate() {
-            for (k, place) in row.iter_mut().enumerate() {
-                let mut at = [0; 3];
-                for (to, index) in [(hidden, i), (first, j), (last, k)] {
-                    if let Some(to) = at.get_mut(to) {
-                        *to = index;
-                    }
-                }
-                let [x, y, z] = at;
-                if let Some(sample) = samples.get(x).and_then(|face| face.get(y)).and_then(|row| row.get(z)) {
-                    *place = *sample;
-                }
+/// The equations without joints 1 and 2, at every sample.
+fn pair_eliminated(samples: &Samples, pair: &Pair, sums: &Sums) -> [[f64; LEFT]; TRIPLE] {
+    let [constants, ..] = &pair.parts;
+    let mut constant = [0.0; LEFT];
+    for k in UNTURNED {
+        constant.iter_mut().zip(sums[k]).for_each(|(sum, weight)| *sum -= weight * constants[k]);
+    }
+    let mut equations = [constant; TRIPLE];
+    for (equations, sample) in equations.iter_mut().zip(samples) {
+        for (weights, x) in sums.iter().zip(sample) {
+            equations.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight * x);
+        }
+    }
+    equations
+}
+
+/// The same for joints of all kinds, wherever they are, by a search for pivots. Also says how small the last one was
+/// beside the greatest.
+#[cold]
+#[inline(never)]
+fn eliminated(samples: &Samples, circuit: &Circuit) -> ([[f64; LEFT]; TRIPLE], f64) {
+    let mut rows = [[0.0; COLUMNS]; PRODUCTS];
+    let pair = circuit.pair();
+    let [[constant, ..], ..] = pair;
+    let columns = pair.iter().flatten().skip(1).chain(samples);
+    for (index, column) in columns.enumerate() {
+        for ((row, value), constant) in rows.iter_mut().zip(column).zip(constant) {
+            if let Some(place) = row.get_mut(index) {
+                *place = value - constant;
             }
         }
     }
-    sorted
+    let (rank, pivot) = eliminate(&mut rows, PAIR);
+    let mut equations = [[0.0; LEFT]; TRIPLE];
+    // Where the two joints take fewer equations, the rest is added to the six: any six independent sums will do.
+    for (index, row) in rows.iter().skip(rank).enumerate() {
+        let [_, _, _, _, _, _, _, _, samples @ ..] = row;
+        let greatest = samples
+            .iter()
+            .fold(0.0, |most: f64, x| if libm::fabs(*x) > most { libm::fabs(*x) } else { most });
+        if greatest <= 0.0 {
+            continue;
+        }
+        for (equations, value) in equations.iter_mut().zip(samples) {
+            for (k, place) in equations.iter_mut().enumerate() {
+                *place += weight(index, k) / greatest * value;
+            }
+        }
+    }
+    (equations, pivot)
 }
 
 /// From samples at an angle, a quarter turn and half a turn further (at 0, 1 and -1 of a slide) to the coefficients of 1,
 /// t, t²: of the half-angle tangent, after multiplication by 1 + t² (of the slide itself).
-fn powers([f0, f1, f2]: [f64; 3], prismatic: bool) -> [f64; 3] {
-    if prismatic {
-        [f0, f64::midpoint(f1, -f2), f64::midpoint(f1, f2) - f0]
-    } else {
-        [f0, 2.0 * f1 - f0 - f2, f2]
-    }
-}
-
-/// Products of the line at three values of each of joints 3, 4 and 5.
-type Samples = [[[super::line::Products; 3]; 3]; 3];
-
-const UNITY: [[f64; 2]; 3] = [[1.0, 0.0], [0.0; 2], [0.0; 2]];
-
-/// The factor that the resultant has for every target.
-///
-/// Far out in the complex plane, at y and z infinite with one sense or the other, all products of the line are those of
-/// exp(i y) exp(±i z). The coefficients of those that count most there are one and the same polynomial in exp(i x), times
-/// constants. Where it is 0, so is the resultant.
-fn factor(triple: &Samples, sense: f64) -> [[f64; 2]; 3] {
-    let mut best = UNITY;
-    let mut greatest = 0.0;
-    for product in 0..PRODUCTS {
-        let mut faces = [[0.0; 2]; 3];
-        for (at, face) in faces.iter_mut().zip(triple) {
-            let [x, y, z] = face;
-            let row = |[a, b, c]: &[super::line::Products; 3]| {
-                wave([[a[product], 0.0], [b[product], 0.0], [c[product], 0.0]], sense)
-            };
-            *at = wave([row(x), row(y), row(z)], 1.0);
-        }
-        let [at0, at1, at2] = faces;
-        let half = |a: f64, b: f64| f64::midpoint(a, b);
-        let mean = [half(at0[0], at2[0]), half(at0[1], at2[1])];
-        let cosine = [half(at0[0], -at2[0]), half(at0[1], -at2[1])];
-        let sine = [at1[0] - mean[0], at1[1] - mean[1]];
-        // cos and sin of x as halves of exp(i x) and exp(-i x).
-        let last = [half(cosine[0], sine[1]), half(cosine[1], -sine[0])];
-        let first = [half(cosine[0], -sine[1]), half(cosine[1], sine[0])];
-        let size = [first, mean, last].iter().flatten().fold(0.0, |sum, x| sum + x * x);
-        if size > greatest {
-            (best, greatest) = ([first, mean, last], size);
+#[inline]
+fn powers([f0, f1, f2]: &[[f64; LEFT]; 3], prismatic: bool) -> [[f64; LEFT]; 3] {
+    let mut powers = [*f0, [0.0; LEFT], *f2];
+    let [_, one, two] = &mut powers;
+    for r in 0..LEFT {
+        if prismatic {
+            one[r] = 0.5 * (f1[r] - f2[r]);
+            two[r] = 0.5 * (f1[r] + f2[r]) - f0[r];
+        } else {
+            one[r] = 2.0 * f1[r] - f0[r] - f2[r];
         }
     }
-    let scale = 1.0 / libm::sqrt(greatest);
-    best.map(|pair| pair.map(|x| x * scale))
-}
-
-/// Twice the coefficient of exp(± i u) of what has these values at u = 0, a quarter and half a turn.
-fn wave([[a0, b0], [a1, b1], [a2, b2]]: [[f64; 2]; 3], sense: f64) -> [f64; 2] {
-    let (cosine, sine) = (
-        [f64::midpoint(a0, -a2), f64::midpoint(b0, -b2)],
-        [a1 - f64::midpoint(a0, a2), b1 - f64::midpoint(b0, b2)],
-    );
-    [cosine[0] + sense * sine[1], cosine[1] - sense * sine[0]]
+    powers
 }
