@@ -186,15 +186,15 @@ pub struct Outcome {
 impl SixJoints<'_> {
     /// Hands every solution for a pose of the tip to `found`, some of them more than once.
     ///
-    /// Solutions are joint values (rad, m).
-    pub fn solve(&self, pose: &Frame, mut found: impl FnMut(&[f64; JOINTS])) -> Outcome {
+    /// Solutions are joint values (rad, m), with the determinant of the Jacobian (reaches, rad).
+    pub fn solve(&self, pose: &Frame, mut found: impl FnMut(&[f64; JOINTS], f64)) -> Outcome {
         let mut outcome = Outcome::UNKNOWN;
         let mut known = Known::new(self.prismatic, ONE);
         let mut doubtful = self.charts.is_empty();
         for chart in self.charts {
-            let this = self.solve_in(*chart, pose, &mut |solution| {
+            let this = self.solve_in(*chart, pose, &mut |solution, determinant| {
                 known.insert(solution);
-                found(solution);
+                found(solution, determinant);
             });
             doubtful |= this.doubtful;
             outcome = outcome.and(this);
@@ -211,10 +211,11 @@ impl SixJoints<'_> {
             for (size, side) in NEIGHBOURS {
                 let [x, y, z, roll, pitch, yaw] = side.map(|part| part * size);
                 let step = Frame::from_rpy([x, y, z].map(|length| length * self.reach), [roll, pitch, yaw]);
-                let from = self.solve_from(*chart, &pose.compose(&step), pose, &mut |solution| {
-                    known.insert(solution);
-                    found(solution);
-                });
+                let from =
+                    self.solve_from(*chart, &pose.compose(&step), pose, &mut |solution, determinant| {
+                        known.insert(solution);
+                        found(solution, determinant);
+                    });
                 outcome = Outcome { doubtful: true, ..outcome.and(from) };
             }
         }
@@ -225,10 +226,10 @@ impl SixJoints<'_> {
             place += 1;
             self.each_slide(&mut solution, |value| value / self.reach);
             for start in scaled.beside(&solution) {
-                if let Some(solution) = scaled.nearby(&target, &start) {
+                if let Some((solution, determinant)) = scaled.nearby(&target, &start) {
                     let solution = self.in_metres(solution);
                     known.insert(&solution);
-                    found(&solution);
+                    found(&solution, determinant);
                 }
             }
         }
@@ -237,12 +238,12 @@ impl SixJoints<'_> {
         let mut idle = 0;
         for start in starts() {
             idle += 1;
-            if let Some(solution) = scaled.nearby(&target, &start) {
+            if let Some((solution, determinant)) = scaled.nearby(&target, &start) {
                 let solution = self.in_metres(solution);
                 if known.insert(&solution) {
                     idle = 0;
                 }
-                found(&solution);
+                found(&solution, determinant);
             }
             if idle > STARTS + PATIENCE * known.len() as u32 {
                 break;
@@ -252,7 +253,12 @@ impl SixJoints<'_> {
     }
 
     /// The same by one choice of joints.
-    pub fn solve_in(&self, chart: Chart, pose: &Frame, found: &mut impl FnMut(&[f64; JOINTS])) -> Outcome {
+    pub fn solve_in(
+        &self,
+        chart: Chart,
+        pose: &Frame,
+        found: &mut impl FnMut(&[f64; JOINTS], f64),
+    ) -> Outcome {
         self.solve_from(chart, pose, pose, found)
     }
 
@@ -262,7 +268,7 @@ impl SixJoints<'_> {
         chart: Chart,
         from: &Frame,
         pose: &Frame,
-        found: &mut impl FnMut(&[f64; JOINTS]),
+        found: &mut impl FnMut(&[f64; JOINTS], f64),
     ) -> Outcome {
         let scaled = self.scaled();
         let circuit = scaled.circuit(chart, &self.in_reaches(from));
@@ -304,7 +310,7 @@ impl SixJoints<'_> {
             for (lane, likely) in together.into_iter().enumerate() {
                 let Some(likely) = likely else { break };
                 let mut hit = !likely;
-                let mut add = |solution: [f64; JOINTS], travel: [f64; JOINTS]| {
+                let mut add = |solution: [f64; JOINTS], travel: [f64; JOINTS], determinant: f64| {
                     let travel = travel.map(libm::fabs);
                     let moved = travel.into_iter().fold(0.0, |most, x| if x > most { x } else { most });
                     outcome.moved = if moved > outcome.moved { moved } else { outcome.moved };
@@ -312,12 +318,13 @@ impl SixJoints<'_> {
                     // Two roots have gone to one solution: another may have none. Where one is that should not be, the
                     // polynomial is not to be trusted.
                     outcome.doubtful |= known.insert(&solution) != likely;
-                    found(&self.in_metres(solution));
+                    found(&self.in_metres(solution), determinant);
                 };
                 if let Some(postures) = postures.as_ref().filter(|postures| postures.met[lane]) {
                     add(
                         posture::joints(&scaled, &postures.values, lane),
                         postures.travel.map(|travel| travel.0[lane]),
+                        postures.determinant.0[lane],
                     );
                 } else {
                     let candidates = match &candidates {
@@ -325,10 +332,10 @@ impl SixJoints<'_> {
                         None => circuit.rest([0, 1, 2].map(|k| others[k].value(circuit.slides(k + 3), lane))),
                     };
                     for q in candidates.iter().flatten() {
-                        let Some(solution) = scaled.nearby(&target, q) else { continue };
+                        let Some((solution, determinant)) = scaled.nearby(&target, q) else { continue };
                         let mut travel = solution;
                         travel.iter_mut().zip(q).for_each(|(to, from)| *to -= from);
-                        add(solution, travel);
+                        add(solution, travel, determinant);
                     }
                 }
                 outcome.doubtful |= !hit;
@@ -339,15 +346,16 @@ impl SixJoints<'_> {
         outcome
     }
 
-    /// The solution that Newton's method finds from joint values, all in reaches.
-    fn nearby(&self, target: &Frame, q: &[f64; JOINTS]) -> Option<[f64; JOINTS]> {
+    /// The solution that Newton's method finds from joint values, all in reaches, and the determinant of the Jacobian.
+    fn nearby(&self, target: &Frame, q: &[f64; JOINTS]) -> Option<([f64; JOINTS], f64)> {
         if let Some(solution) = newton::newton(self, target, q) {
             return Some(solution);
         }
         let exact = |q: &[f64; JOINTS]| jacobian::pose_and_jacobian(self, q);
         let solution = polish(*q, target, 1.0, STEPS, exact);
         // Each by itself: the greater of a number and none is the number.
-        (solution.position_error <= FOUND && solution.rotation_error <= FOUND).then_some(solution.q)
+        (solution.position_error <= FOUND && solution.rotation_error <= FOUND)
+            .then(|| (solution.q, self.determinant(&solution.q)))
     }
 
     fn in_metres(&self, mut q: [f64; JOINTS]) -> [f64; JOINTS] {

@@ -13,9 +13,14 @@ const LONGEST: f64 = 0.1;
 /// After a step this short (rad, reaches) the pose is met to the last digit: what is left of the error is its square.
 const SHORT: f64 = 1e-8;
 
-/// The joint values near others at which the tip is at its target, lengths in reaches. `None` where the Jacobian is
+/// The joint values near others at which the tip is at its target, lengths in reaches, and the determinant of the
+/// Jacobian. `None` where the Jacobian is
 /// singular or the way far: there, damped steps may help.
-pub(super) fn newton(arm: &SixJoints<'_>, target: &Frame, from: &[f64; JOINTS]) -> Option<[f64; JOINTS]> {
+pub(super) fn newton(
+    arm: &SixJoints<'_>,
+    target: &Frame,
+    from: &[f64; JOINTS],
+) -> Option<([f64; JOINTS], f64)> {
     let mut q = *from;
     for _ in 0..STEPS {
         let (tip, columns) = pose_and_jacobian(arm, &q);
@@ -25,7 +30,8 @@ pub(super) fn newton(arm: &SixJoints<'_>, target: &Frame, from: &[f64; JOINTS]) 
         for (k, (row, error)) in rows.iter_mut().zip(error).enumerate() {
             *row = [a[k], b[k], c[k], d[k], e[k], f[k], error];
         }
-        if solve(&mut rows) == 0.0 {
+        let determinant = solve(&mut rows);
+        if determinant == 0.0 {
             return None;
         }
         let mut longest = 0.0;
@@ -36,7 +42,7 @@ pub(super) fn newton(arm: &SixJoints<'_>, target: &Frame, from: &[f64; JOINTS]) 
             longest = if size <= longest { longest } else { size };
         }
         if longest <= SHORT {
-            return Some(q);
+            return Some((q, determinant));
         }
         if longest > LONGEST || longest.is_nan() {
             return None;
