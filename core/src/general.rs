@@ -15,6 +15,7 @@
 //! as well. Which choices suit an arm best is found by the compiler.
 
 mod circuit;
+mod closer;
 mod continuum;
 mod jacobian;
 mod known;
@@ -32,6 +33,7 @@ mod wide;
 use crate::Frame;
 use crate::polish::polish;
 use circuit::Circuit;
+use closer::View;
 use known::Known;
 pub(crate) use known::same;
 use pair::Pair;
@@ -276,20 +278,17 @@ impl SixJoints<'_> {
         let Some(resultant) = Resultant::new(&circuit, pair.as_ref(), chart) else {
             return Outcome::UNKNOWN;
         };
-        let (waves, noise) = resultant.waves();
+        let (roots, noise) = closer::roots(&resultant);
         if noise > USELESS || noise.is_nan() {
             return Outcome::UNKNOWN;
         }
         let target = self.in_reaches(pose);
-        let roots = waves.roots();
-        let miss = if roots.as_slice().is_empty() { waves.miss(&roots) } else { 0.0 };
-        let degenerate = noise > NOISE || resultant.pivot < PIVOT;
-        let doubtful = roots.doubtful || degenerate;
-        let mut outcome = Outcome { doubtful, miss, moved: 0.0, doubted: false };
+        let doubtful = roots.doubtful || resultant.pivot < PIVOT;
+        let mut outcome = Outcome { doubtful, miss: roots.miss, moved: 0.0, doubted: false };
         let mut known = Known::new(self.prismatic, SAME);
         let periods = chart.periods.max(1);
-        let likely = roots.as_slice().iter().map(|root| (*root, true));
-        let places = likely.chain(roots.unlikely().iter().map(|root| (*root, false)));
+        let likely = roots.likely.as_slice().iter().map(|root| (*root, true));
+        let places = likely.chain(roots.unlikely.as_slice().iter().map(|root| (*root, false)));
         let places = places.flat_map(|place| (0..periods).map(move |turn| (place, turn)));
         let mut places = places.map(|((root, likely), turn)| {
             ((root + f64::from(turn) * core::f64::consts::TAU) / f64::from(periods), likely)
@@ -377,7 +376,7 @@ impl SixJoints<'_> {
     pub fn noise(&self, chart: Chart, pose: &Frame) -> f64 {
         let circuit = self.scaled().circuit(chart, &self.in_reaches(pose));
         Resultant::new(&circuit, Pair::new(&circuit).as_ref(), chart)
-            .map_or(f64::INFINITY, |resultant| resultant.waves().1)
+            .map_or(f64::INFINITY, |resultant| resultant.waves(View::WHOLE).1)
     }
 
     fn circuit(&self, chart: Chart, pose: &Frame) -> Circuit {

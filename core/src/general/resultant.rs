@@ -2,6 +2,7 @@
 
 use super::Chart;
 use super::circuit::Circuit;
+use super::closer::View;
 use super::line::{PRODUCTS, UNTURNED};
 use super::linear::eliminate;
 use super::pair::{Pair, Sums};
@@ -138,7 +139,7 @@ impl Resultant {
     }
 
     /// The polynomial, and the noise of its coefficients relative to the greatest.
-    pub(super) fn waves(&self) -> (Waves, f64) {
+    pub(super) fn waves(&self, view: View) -> (Waves, f64) {
         const MOST: usize = (2 * MAX_DEGREE + 6).next_multiple_of(LANES);
         let degree = usize::from(self.chart.degree).min(MAX_DEGREE);
         let period = 1.0 / f64::from(self.chart.periods.max(1));
@@ -155,12 +156,13 @@ impl Resultant {
         }
         for (k, values) in values.as_chunks_mut::<LANES>().0.iter_mut().enumerate().take(count / LANES) {
             // Half a step off, where factors that are divided out have no roots for reasons of symmetry.
-            let (mut cos, mut sin) = (Wide::ZERO, Wide::ZERO);
-            for (lane, (cos, sin)) in cos.0.iter_mut().zip(&mut sin.0).enumerate() {
-                let angle = ((LANES * k + lane) as f64 + 0.5) * turn * period;
-                (*sin, *cos) = crate::Float::sin_cos(angle);
+            let (mut angles, mut sizes) = (Wide::ZERO, Wide::ZERO);
+            for (lane, (angle, size)) in angles.0.iter_mut().zip(&mut sizes.0).enumerate() {
+                (*angle, *size) = view.at(((LANES * k + lane) as f64 + 0.5) * turn);
             }
-            *values = (self.sample(cos, sin).value / self.divisor(cos, sin)).0;
+            let (cos, sin) = Values::new(false, angles * period).direction();
+            let power = (0..degree).fold(Wide::ONE, |power, _| power * sizes);
+            *values = (power * self.sample(cos, sin).value / self.divisor(cos, sin)).0;
         }
         let mut coefficients = [[0.0; 2]; MAX_DEGREE + 1];
         let mut greatest = 0.0;

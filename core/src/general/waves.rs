@@ -4,6 +4,10 @@ use crate::Float;
 
 /// The greatest degree.
 pub(super) const MAX_DEGREE: usize = 12;
+/// How many clusters of candidates are told apart.
+const MAX_CLUSTERS: usize = 8;
+/// Clusters that are nearer to each other (rad) are one.
+const ADJACENT: f64 = 1e-9;
 /// The most roots: as many real ones as a polynomial of the greatest degree can have.
 pub(super) const MAX_ROOTS: usize = 2 * MAX_DEGREE;
 
@@ -58,41 +62,90 @@ pub(super) struct Waves {
 /// Roots of a polynomial, and candidates that may be.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Roots {
-    list: [f64; MAX_ROOTS],
-    len: usize,
+    pub(super) certain: List,
+    /// Of places where values are within what is uncertain of them.
+    pub(super) possible: List,
     /// Places where there should be none, but nearly are.
-    unlikely: [f64; MAX_ROOTS],
-    unlikely_len: usize,
-    /// Whether some are double, or more came than there is room for.
-    pub(super) doubtful: bool,
+    pub(super) unlikely: List,
+    clusters: [[f64; 2]; MAX_CLUSTERS],
+    clusters_len: usize,
+    /// Whether more came than there is room for.
+    pub(super) overflown: bool,
     /// How near the polynomial was seen to come to 0.
     least: f64,
     /// How many cells were looked at.
     cells: u32,
 }
 
-impl Roots {
+/// Angles (rad).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct List {
+    list: [f64; MAX_ROOTS],
+    len: usize,
+}
+
+impl List {
+    pub(super) const EMPTY: Self = Self { list: [0.0; MAX_ROOTS], len: 0 };
+
     pub(super) fn as_slice(&self) -> &[f64] {
         self.list.get(..self.len).unwrap_or(&self.list)
     }
 
-    pub(super) fn unlikely(&self) -> &[f64] {
-        self.unlikely.get(..self.unlikely_len).unwrap_or(&self.unlikely)
+    /// Whether there was room.
+    pub(super) fn push(&mut self, root: f64) -> bool {
+        let Some(place) = self.list.get_mut(self.len) else { return false };
+        *place = root;
+        self.len += 1;
+        true
+    }
+
+    /// Only those that may stay.
+    pub(super) fn retain(&mut self, stays: impl Fn(f64) -> bool) {
+        let mut kept = Self::EMPTY;
+        for root in self.as_slice() {
+            if stays(*root) {
+                kept.push(*root);
+            }
+        }
+        *self = kept;
+    }
+}
+
+impl Roots {
+    const NONE: Self = Self {
+        certain: List::EMPTY,
+        possible: List::EMPTY,
+        unlikely: List::EMPTY,
+        clusters: [[0.0; 2]; MAX_CLUSTERS],
+        clusters_len: 0,
+        overflown: false,
+        least: f64::INFINITY,
+        cells: 0,
+    };
+
+    /// Where values are within what is uncertain of them.
+    pub(super) fn clusters(&self) -> &[[f64; 2]] {
+        self.clusters.get(..self.clusters_len).unwrap_or(&self.clusters)
     }
 
     fn push(&mut self, root: f64) {
-        match self.list.get_mut(self.len) {
-            Some(place) => {
-                *place = root;
-                self.len += 1;
-            }
-            None => self.doubtful = true,
-        }
+        self.overflown |= !self.certain.push(root);
     }
 
-    fn perhaps(&mut self, root: f64) {
-        self.push(root);
-        self.doubtful = true;
+    /// A candidate between places; those that touch are one cluster.
+    fn perhaps(&mut self, root: f64, [low, high]: [f64; 2]) {
+        self.possible.push(root);
+        let last = self.clusters_len.checked_sub(1).and_then(|last| self.clusters.get_mut(last));
+        if let Some([_, end]) = last
+            && low - *end <= ADJACENT
+        {
+            *end = Float::max(*end, high);
+        } else if let Some(place) = self.clusters.get_mut(self.clusters_len) {
+            *place = [low, high];
+            self.clusters_len += 1;
+        } else {
+            self.overflown = true;
+        }
     }
 }
 
@@ -109,7 +162,7 @@ impl Waves {
 
     /// Value and two derivatives.
     fn at(&self, x: f64) -> [f64; 3] {
-        let (sin, cos) = libm::sincos(x);
+        let (sin, cos) = Float::sin_cos(x);
         let [mut p, mut d, mut e] = [[0.0; 2]; 3];
         let step = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a * cos - b * sin + c, a * sin + b * cos + d];
         for coefficient in self.coefficients.iter().take(self.degree + 1).rev() {
@@ -159,15 +212,7 @@ impl Waves {
     /// is monotonous or has one extremum is searched, others are halved. Where the values are within what is uncertain
     /// of them, a candidate is given.
     pub(super) fn roots(&self) -> Roots {
-        let mut roots = Roots {
-            list: [0.0; MAX_ROOTS],
-            len: 0,
-            unlikely: [0.0; MAX_ROOTS],
-            unlikely_len: 0,
-            doubtful: false,
-            least: f64::INFINITY,
-            cells: 0,
-        };
+        let mut roots = Roots::NONE;
         let edge = |cell: usize| START + cell as f64 * WIDTH;
         for (cell, at_middle) in self.at_cells().into_iter().enumerate() {
             self.search([edge(cell), edge(cell + 1)], at_middle, &mut roots);
@@ -179,7 +224,7 @@ impl Waves {
     fn search(&self, [low, high]: [f64; 2], at_middle: [f64; 3], roots: &mut Roots) {
         roots.cells += 1;
         if roots.cells > MOST_CELLS {
-            roots.doubtful = true;
+            roots.overflown = true;
         } else if !self.cell([low, high], at_middle, roots) {
             let middle = f64::midpoint(low, high);
             self.search([low, middle], self.at(f64::midpoint(low, middle)), roots);
@@ -204,7 +249,7 @@ impl Waves {
             return true;
         }
         if size + change <= 2.0 * self.uncertain || half < SMALLEST {
-            roots.perhaps(middle);
+            roots.perhaps(middle, [low, high]);
             return true;
         }
         if libm::fabs(e) > 2.0 * rest {
@@ -250,15 +295,14 @@ impl Waves {
         }
         let extremum = Float::min(Float::max(extremum, low), high);
         if libm::fabs(at_extremum) <= self.uncertain {
-            roots.perhaps(extremum);
+            let around = libm::sqrt(2.0 * libm::fabs(self.uncertain / bend));
+            roots.perhaps(extremum, [extremum - around, extremum + around]);
         }
         // The distance of the two roots from the extremum, real or imaginary.
         let distance = libm::sqrt(2.0 * libm::fabs(at_extremum / bend));
         if (at_extremum > 0.0) == (bend > 0.0) {
-            if let Some(place) = roots.unlikely.get_mut(roots.unlikely_len).filter(|_| distance < NEARLY_MET)
-            {
-                *place = extremum;
-                roots.unlikely_len += 1;
+            if distance < NEARLY_MET {
+                roots.unlikely.push(extremum);
             }
             return;
         }
@@ -328,7 +372,7 @@ mod tests {
             &[1.0, 1.0001, 2.0, 5.0],
         ] {
             let roots = with_roots(list).roots();
-            let mut found = roots.as_slice().to_vec();
+            let mut found = roots.certain.as_slice().to_vec();
             for root in &mut found {
                 *root = root.rem_euclid(core::f64::consts::TAU);
             }
@@ -347,7 +391,8 @@ mod tests {
             for list in [[edge, edge, edge + 1.0, edge + 2.0], [edge, edge + 0.5, edge + 1.0, edge + 2.0]] {
                 let roots = with_roots(&list).roots();
                 let near = |root: &f64| libm::fabs(libm::sin((root - edge) / 2.0)) < 1e-6;
-                assert!(roots.as_slice().iter().any(near), "{edge}: {:?}", roots.as_slice());
+                let mut all = roots.certain.as_slice().iter().chain(roots.possible.as_slice());
+                assert!(all.any(near), "{edge}: {roots:?}");
             }
         }
     }
@@ -357,16 +402,17 @@ mod tests {
         // Between such roots the values are below 1e-12.
         let list = [1.0, 1.004, 1.0041, 1.008, 2.0, 4.0];
         let roots = with_roots(&list).roots();
-        assert!(roots.doubtful && roots.as_slice().len() >= list.len());
+        assert_eq!(roots.clusters().len(), 1);
         for wanted in list {
-            assert!(roots.as_slice().iter().any(|root| (root - wanted).abs() < 1e-3), "{wanted}");
+            let mut all = roots.certain.as_slice().iter().chain(roots.possible.as_slice());
+            assert!(all.any(|root| (root - wanted).abs() < 1e-3), "{wanted}");
         }
     }
 
     #[test]
     fn a_double_root_is_a_candidate() {
         let roots = with_roots(&[1.0, 1.0, 3.0, 4.0]).roots();
-        assert!(roots.doubtful);
-        assert!(roots.as_slice().iter().any(|root| (root - 1.0).abs() < 1e-6));
+        assert_eq!(roots.clusters().len(), 1);
+        assert!(roots.possible.as_slice().iter().any(|root| (root - 1.0).abs() < 1e-6));
     }
 }
