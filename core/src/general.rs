@@ -21,7 +21,6 @@ mod jacobian;
 mod known;
 mod line;
 mod linear;
-mod newton;
 mod pair;
 mod posture;
 mod resultant;
@@ -31,14 +30,13 @@ mod waves;
 mod wide;
 
 use crate::Frame;
-use crate::polish::polish;
 use circuit::Circuit;
 use closer::View;
 use known::Known;
 pub(crate) use known::same;
 use pair::Pair;
 use resultant::Resultant;
-use starts::{PATIENCE, STARTS, starts};
+use starts::{PATIENCE, STARTS, Starts, everywhere};
 use wide::{LANES, Wide};
 
 /// How many joints the caller leaves to be found.
@@ -227,29 +225,30 @@ impl SixJoints<'_> {
         while let Some(mut solution) = known.get(place).filter(|_| place < crate::MAX_SOLUTIONS) {
             place += 1;
             self.each_slide(&mut solution, |value| value / self.reach);
-            for start in scaled.beside(&solution) {
-                if let Some((solution, determinant)) = scaled.nearby(&target, &start) {
-                    let solution = self.in_metres(solution);
+            let mut beside = scaled.beside(&solution);
+            while let Some(starts) = Starts::next(&mut beside) {
+                scaled.landings(&target, &starts, |solution, _, determinant| {
+                    let solution = self.in_metres(*solution);
                     known.insert(&solution);
                     found(&solution, determinant);
-                }
+                });
             }
         }
         // At the edge of the workspace no neighbour may be attainable, and on some arms roots are double at every pose; there,
         // Newton's method needs no polynomial.
+        let mut everywhere = everywhere();
         let mut idle = 0;
-        for start in starts() {
-            idle += 1;
-            if let Some((solution, determinant)) = scaled.nearby(&target, &start) {
-                let solution = self.in_metres(solution);
+        while idle <= STARTS + PATIENCE * known.len()
+            && let Some(starts) = Starts::next(&mut everywhere)
+        {
+            idle += starts.as_slice().len();
+            scaled.landings(&target, &starts, |solution, _, determinant| {
+                let solution = self.in_metres(*solution);
                 if known.insert(&solution) {
                     idle = 0;
                 }
                 found(&solution, determinant);
-            }
-            if idle > STARTS + PATIENCE * known.len() as u32 {
-                break;
-            }
+            });
         }
         outcome
     }
@@ -295,46 +294,37 @@ impl SixJoints<'_> {
         });
         loop {
             let mut together = [None; LANES];
-            let mut roots = Wide::ZERO;
-            for ((root, place), to) in roots.0.iter_mut().zip(&mut places).zip(&mut together) {
-                *root = place.0;
-                *to = Some(place.1);
+            for (to, place) in together.iter_mut().zip(&mut places) {
+                *to = Some(place);
             }
-            if together[0].is_none() {
-                break;
-            }
+            let [Some((root, _)), ..] = together else { break };
+            let roots = Wide(together.map(|place| place.map_or(root, |(root, _)| root)));
             let others = resultant.others(roots);
-            let candidates = pair.as_ref().map(|pair| circuit.rest_together(pair, others));
-            let postures = candidates.as_ref().map(|values| posture::newton(&scaled, &target, values));
-            for (lane, likely) in together.into_iter().enumerate() {
-                let Some(likely) = likely else { break };
+            let postures = pair
+                .as_ref()
+                .map(|pair| posture::land(&scaled, &target, &circuit.rest_together(pair, others)));
+            for (lane, place) in together.into_iter().enumerate() {
+                let Some((_, likely)) = place else { break };
                 let mut hit = !likely;
-                let mut add = |solution: [f64; JOINTS], travel: [f64; JOINTS], determinant: f64| {
+                let mut add = |q: &[f64; JOINTS], travel: &[f64; JOINTS], determinant: f64| {
                     let travel = travel.map(libm::fabs);
                     let moved = travel.into_iter().fold(0.0, |most, x| if x > most { x } else { most });
                     outcome.moved = if moved > outcome.moved { moved } else { outcome.moved };
                     hit |= travel.get(chart.unknown()).is_some_and(|moved| *moved <= FAR);
                     // Two roots have gone to one solution: another may have none. Where one is that should not be, the
                     // polynomial is not to be trusted.
-                    outcome.doubtful |= known.insert(&solution) != likely;
-                    found(&self.in_metres(solution), determinant);
+                    outcome.doubtful |= known.insert(q) != likely;
+                    found(&self.in_metres(*q), determinant);
                 };
-                if let Some(postures) = postures.as_ref().filter(|postures| postures.met[lane]) {
-                    add(
-                        posture::joints(&scaled, &postures.values, lane),
-                        postures.travel.map(|travel| travel.0[lane]),
-                        postures.determinant.0[lane],
-                    );
+                if let Some(postures) = &postures {
+                    if let Some((q, travel, determinant)) = postures.solution(&scaled, lane) {
+                        add(&q, &travel, determinant);
+                    }
                 } else {
-                    let candidates = match &candidates {
-                        Some(values) => [Some(posture::joints(&scaled, values, lane)), None],
-                        None => circuit.rest([0, 1, 2].map(|k| others[k].value(circuit.slides(k + 3), lane))),
-                    };
-                    for q in candidates.iter().flatten() {
-                        let Some((solution, determinant)) = scaled.nearby(&target, q) else { continue };
-                        let mut travel = solution;
-                        travel.iter_mut().zip(q).for_each(|(to, from)| *to -= from);
-                        add(solution, travel, determinant);
+                    let known = [0, 1, 2].map(|k| others[k].value(circuit.slides(k + 3), lane));
+                    let mut candidates = circuit.rest(known).into_iter().flatten();
+                    if let Some(starts) = Starts::next(&mut candidates) {
+                        scaled.landings(&target, &starts, add);
                     }
                 }
                 outcome.doubtful |= !hit;
@@ -345,16 +335,20 @@ impl SixJoints<'_> {
         outcome
     }
 
-    /// The solution that Newton's method finds from joint values, all in reaches, and the determinant of the Jacobian.
-    fn nearby(&self, target: &Frame, q: &[f64; JOINTS]) -> Option<([f64; JOINTS], f64)> {
-        if let Some(solution) = newton::newton(self, target, q) {
-            return Some(solution);
+    /// Hands the solutions that Newton's method finds from some places on, how far they are from there, and the
+    /// determinant of the Jacobian; all in reaches.
+    fn landings(
+        &self,
+        target: &Frame,
+        starts: &Starts,
+        mut each: impl FnMut(&[f64; JOINTS], &[f64; JOINTS], f64),
+    ) {
+        let postures = posture::land(self, target, &posture::gathered(self, starts.as_slice()));
+        for lane in 0..starts.as_slice().len() {
+            if let Some((q, travel, determinant)) = postures.solution(self, lane) {
+                each(&q, &travel, determinant);
+            }
         }
-        let exact = |q: &[f64; JOINTS]| jacobian::pose_and_jacobian(self, q);
-        let solution = polish(*q, target, 1.0, STEPS, exact);
-        // Each by itself: the greater of a number and none is the number.
-        (solution.position_error <= FOUND && solution.rotation_error <= FOUND)
-            .then(|| (solution.q, self.determinant(&solution.q)))
     }
 
     fn in_metres(&self, mut q: [f64; JOINTS]) -> [f64; JOINTS] {
@@ -406,9 +400,6 @@ impl Outcome {
         Self { miss, doubted: self.doubted || other.doubtful, ..other }
     }
 }
-
-/// Steps of Newton's method at most: two or three where the pose is regular.
-const STEPS: usize = 40;
 
 /// Two solutions that are nearer than this (rad, reaches) are one.
 const SAME: f64 = 1e-9;

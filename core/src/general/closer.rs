@@ -35,6 +35,11 @@ impl View {
     /// As it is.
     pub(super) const WHOLE: Self = Self { centre: 0.0, scale: 1.0 };
 
+    /// Whether it is as wide as it is.
+    pub(super) fn is_whole(&self) -> bool {
+        self.scale == 1.0
+    }
+
     /// With this place (rad) as wide as half a turn.
     fn of([low, high]: [f64; 2]) -> Self {
         Self { centre: f64::midpoint(low, high), scale: libm::tan((high - low) / 4.0) }

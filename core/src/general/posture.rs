@@ -1,7 +1,8 @@
-//! Several sets of joint values at once, brought to one pose by Newton's method where it converges as it should.
+//! Several sets of joint values at once, brought to one pose: by Newton's method where it converges as it should, else by
+//! damped steps.
 
 use super::wide::{LANES, Wide, cross, dot, solve};
-use super::{JOINTS, SixJoints};
+use super::{FOUND, JOINTS, SixJoints};
 use crate::Frame;
 
 /// The most steps.
@@ -85,8 +86,11 @@ impl Values {
     /// As a number (rad, reaches).
     #[inline]
     pub(super) fn value(&self, slides: bool, lane: usize) -> f64 {
-        let pick = |list: Wide| list.0.get(lane).copied().unwrap_or(f64::NAN);
-        if slides { pick(self.slide) } else { crate::Float::atan2(pick(self.sin), pick(self.cos)) }
+        if slides {
+            self.slide.lane(lane)
+        } else {
+            crate::Float::atan2(self.sin.lane(lane), self.cos.lane(lane))
+        }
     }
 }
 
@@ -151,37 +155,73 @@ impl Frames {
 
 /// Sets of joint values, and what became of each.
 pub(super) struct Postures {
-    pub(super) values: [Values; JOINTS],
+    values: [Values; JOINTS],
     /// How far every joint has gone (rad, reaches).
-    pub(super) travel: [Wide; JOINTS],
+    travel: [Wide; JOINTS],
     /// Whether the pose is met.
-    pub(super) met: [bool; LANES],
+    met: [bool; LANES],
     /// The determinant of the Jacobian (reaches, rad).
-    pub(super) determinant: Wide,
+    determinant: Wide,
 }
 
-/// Joint values (rad, reaches) of a lane.
-pub(super) fn joints(arm: &SixJoints<'_>, values: &[Values; JOINTS], lane: usize) -> [f64; JOINTS] {
-    let mut q = [0.0; JOINTS];
-    for ((q, values), slides) in q.iter_mut().zip(values).zip(arm.prismatic) {
-        *q = values.value(slides, lane);
+impl Postures {
+    const fn new(values: &[Values; JOINTS]) -> Self {
+        Self { values: *values, travel: [Wide::ZERO; JOINTS], met: [false; LANES], determinant: Wide::ZERO }
     }
-    q
+
+    /// Joint values (rad, reaches), how far they have gone, and the determinant, where the pose is met.
+    pub(super) fn solution(
+        &self,
+        arm: &SixJoints<'_>,
+        lane: usize,
+    ) -> Option<([f64; JOINTS], [f64; JOINTS], f64)> {
+        if !self.met.get(lane).copied().unwrap_or(false) {
+            return None;
+        }
+        let mut q = [0.0; JOINTS];
+        for ((q, values), slides) in q.iter_mut().zip(&self.values).zip(arm.prismatic) {
+            *q = values.value(slides, lane);
+        }
+        Some((q, self.travel.map(|travel| travel.lane(lane)), self.determinant.lane(lane)))
+    }
+
+    fn step(&mut self, arm: &SixJoints<'_>, steps: &[Wide; JOINTS]) {
+        let places = self.values.iter_mut().zip(&mut self.travel);
+        for (((values, travel), step), slides) in places.zip(steps).zip(arm.prismatic) {
+            *values = values.step(slides, *step);
+            *travel += *step;
+        }
+    }
+}
+
+/// The solutions that are found from joint values.
+pub(super) fn land(arm: &SixJoints<'_>, target: &Frame, from: &[Values; JOINTS]) -> Postures {
+    let postures = newton(arm, target, from);
+    if postures.met == [true; LANES] { postures } else { descend(arm, target, from, postures) }
+}
+
+/// Joint values of several places, the last ones again where there are fewer than lanes.
+pub(super) fn gathered(arm: &SixJoints<'_>, places: &[[f64; JOINTS]]) -> [Values; JOINTS] {
+    let mut lanes = [Wide::ZERO; JOINTS];
+    for k in 0..LANES {
+        let Some(q) = places.get(k).or(places.last()) else { break };
+        lanes.iter_mut().zip(q).for_each(|(lanes, value)| lanes.0[k] = *value);
+    }
+    let mut values = [Values::ZERO; JOINTS];
+    for ((values, lanes), slides) in values.iter_mut().zip(lanes).zip(arm.prismatic) {
+        *values = Values::new(slides, lanes);
+    }
+    values
 }
 
 /// The joint values near others at which the tip is at its target, lengths in reaches. Those from which the way is far
 /// or leads through singular places do not meet it: there, damped steps may help.
-pub(super) fn newton(arm: &SixJoints<'_>, target: &Frame, from: &[Values; JOINTS]) -> Postures {
-    let mut postures = Postures {
-        values: *from,
-        travel: [Wide::ZERO; JOINTS],
-        met: [false; LANES],
-        determinant: Wide::ZERO,
-    };
+fn newton(arm: &SixJoints<'_>, target: &Frame, from: &[Values; JOINTS]) -> Postures {
+    let mut postures = Postures::new(from);
     let mut lost = [false; LANES];
     for _ in 0..STEPS {
         let (mut columns, trace) = system(arm, target, &postures.values);
-        let determinant = solve::<JOINTS, { JOINTS + 1 }>(&mut columns);
+        let determinant = solve::<JOINTS, JOINTS, { JOINTS + 1 }>(&mut columns);
         let [.., mut steps] = columns;
         let mut longest = Wide::ZERO;
         for step in &steps {
@@ -206,16 +246,121 @@ pub(super) fn newton(arm: &SixJoints<'_>, target: &Frame, from: &[Values; JOINTS
                 }
             }
         }
-        let places = postures.values.iter_mut().zip(&mut postures.travel);
-        for (((values, travel), step), slides) in places.zip(steps).zip(arm.prismatic) {
-            *values = values.step(slides, step);
-            *travel += step;
-        }
+        postures.step(arm, &steps);
         if (0..LANES).all(|lane| postures.met[lane] || lost[lane]) {
             break;
         }
     }
     postures
+}
+
+/// Damped steps at most: two or three where the pose is regular.
+const DAMPED_STEPS: usize = 40;
+/// The square of an error (reaches, rad) that is but rounding.
+const ROUNDING: f64 = 16.0 * f64::EPSILON * f64::EPSILON;
+/// The same where a step didn't make it smaller.
+const SMALL: f64 = 4096.0 * f64::EPSILON * f64::EPSILON;
+/// What the damping is multiplied by after a step that made the error greater, and divided by after one that didn't.
+const DAMPING: f64 = 16.0;
+
+/// Where Newton's method didn't meet the target: by damped steps, as `crate::polish` does them.
+#[cold]
+#[inline(never)]
+fn descend(arm: &SixJoints<'_>, target: &Frame, from: &[Values; JOINTS], newton: Postures) -> Postures {
+    let mut here = Postures::new(from);
+    let mut at = Errors::new(arm, target, &here.values);
+    let mut damping = Wide::ONE;
+    let mut done = newton.met;
+    for _ in 0..DAMPED_STEPS {
+        let diagonal = (damping * at.cost).sqrt();
+        let mut columns = [[Wide::ZERO; 2 * JOINTS]; JOINTS + 1];
+        for (k, (column, from)) in columns.iter_mut().zip(&at.columns).enumerate() {
+            column.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+            if let Some(place) = column.get_mut(JOINTS + k).filter(|_| k < JOINTS) {
+                *place = diagonal;
+            }
+        }
+        solve::<{ 2 * JOINTS }, JOINTS, { JOINTS + 1 }>(&mut columns);
+        let [.., [a, b, c, d, e, f, ..]] = columns;
+        let mut next = Postures { ..here };
+        next.step(arm, &[a, b, c, d, e, f]);
+        let there = Errors::new(arm, target, &next.values);
+        let mut better = [false; LANES];
+        for lane in 0..LANES {
+            let (old, new) = (at.cost.lane(lane), there.cost.lane(lane));
+            better[lane] = !done[lane] && new < old;
+            damping.0[lane] *= if better[lane] { 1.0 / DAMPING } else { DAMPING };
+            done[lane] |= new <= ROUNDING || (!better[lane] && old <= SMALL);
+        }
+        here.take(&next, better);
+        at.take(&there, better);
+        if done == [true; LANES] {
+            break;
+        }
+    }
+    let [columns @ .., _] = &mut at.columns;
+    here.determinant = solve::<JOINTS, JOINTS, JOINTS>(columns);
+    here.met = at.met();
+    here.take(&newton, newton.met);
+    here
+}
+
+impl Postures {
+    /// Those of another in some lanes.
+    fn take(&mut self, other: &Self, lanes: [bool; LANES]) {
+        for (own, from) in self.values.iter_mut().zip(&other.values) {
+            own.cos = own.cos.with_lanes(from.cos, lanes);
+            own.sin = own.sin.with_lanes(from.sin, lanes);
+            own.slide = own.slide.with_lanes(from.slide, lanes);
+        }
+        for (own, from) in self.travel.iter_mut().zip(&other.travel) {
+            *own = own.with_lanes(*from, lanes);
+        }
+        self.determinant = self.determinant.with_lanes(other.determinant, lanes);
+        for lane in 0..LANES {
+            self.met[lane] = if lanes[lane] { other.met[lane] } else { self.met[lane] };
+        }
+    }
+}
+
+/// What is missing at joint values, and how it changes.
+struct Errors {
+    /// The Jacobian, and what is missing; half a turn is not taken for none.
+    columns: [[Wide; JOINTS]; JOINTS + 1],
+    /// The square of the latter.
+    cost: Wide,
+}
+
+impl Errors {
+    fn new(arm: &SixJoints<'_>, target: &Frame, values: &[Values; JOINTS]) -> Self {
+        let (mut columns, trace) = system(arm, target, values);
+        let [.., [px, py, pz, wx, wy, wz]] = &mut columns;
+        // For more than a quarter turn as long as 2 minus the sine of its angle.
+        let sine = dot([*wx, *wy, *wz], [*wx, *wy, *wz]).sqrt() + Wide::all(f64::MIN_POSITIVE);
+        let longer = Wide::ONE.if_greater(trace, (Wide::all(2.0) - sine) / sine, Wide::ONE);
+        for part in [&mut *wx, &mut *wy, &mut *wz] {
+            *part = *part * longer;
+        }
+        let cost = dot([*px, *py, *pz], [*px, *py, *pz]) + dot([*wx, *wy, *wz], [*wx, *wy, *wz]);
+        Self { columns, cost }
+    }
+
+    /// Where little enough is missing.
+    fn met(&self) -> [bool; LANES] {
+        let mut met = [false; LANES];
+        for (lane, met) in met.iter_mut().enumerate() {
+            *met = self.cost.lane(lane) <= FOUND * FOUND;
+        }
+        met
+    }
+
+    /// Those of another in some lanes.
+    fn take(&mut self, other: &Self, lanes: [bool; LANES]) {
+        for (own, from) in self.columns.iter_mut().flatten().zip(other.columns.iter().flatten()) {
+            *own = own.with_lanes(*from, lanes);
+        }
+        self.cost = self.cost.with_lanes(other.cost, lanes);
+    }
 }
 
 /// The columns of the Jacobian and what is left of the way to the target (position in reaches, then the turn in rad, for

@@ -107,7 +107,7 @@ impl Resultant {
                 columns[k][r] = Wide::all(constant[k][r]) + cos * cosine[k][r] + sin * sine[k][r];
             }
         }
-        let size = super::wide::solve::<LEFT, 9>(&mut columns);
+        let size = super::wide::solve::<LEFT, LEFT, 9>(&mut columns);
         let [.., x, y, z] = columns;
         let row = |r: usize| [x[r], y[r], z[r]];
         let (to_first, to_last) = ([row(0), row(1), row(2)], [row(3), row(4), row(5)]);
@@ -124,6 +124,26 @@ impl Resultant {
         let [[a, b, c], [d, e, f], [g, h, i]] = kernel;
         let determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g);
         Sample { value: size * size * determinant, to_first, to_last, kernel }
+    }
+
+    /// The resultant without the elimination of two thirds of the unknowns, which may itself be next to singular.
+    #[cold]
+    #[inline(never)]
+    fn determinant(&self, cos: Wide, sin: Wide) -> Wide {
+        let [constant, cosine, sine] = &self.parts;
+        let mut columns = [[Wide::ZERO; 12]; 12];
+        for (k, block) in [0, 6, 3].into_iter().enumerate() {
+            for c in 0..3 {
+                for r in 0..LEFT {
+                    let value = Wide::all(constant[block + c][r])
+                        + cos * cosine[block + c][r]
+                        + sin * sine[block + c][r];
+                    columns[3 * k + c][r] = value;
+                    columns[3 * k + 3 + c][LEFT + r] = value;
+                }
+            }
+        }
+        super::wide::solve::<12, 12, 12>(&mut columns)
     }
 
     /// What stays 0 for every target where joints 3, 4 and 5 alone make it so.
@@ -162,7 +182,9 @@ impl Resultant {
             }
             let (cos, sin) = Values::new(false, angles * period).direction();
             let power = (0..degree).fold(Wide::ONE, |power, _| power * sizes);
-            *values = (power * self.sample(cos, sin).value / self.divisor(cos, sin)).0;
+            let value =
+                if view.is_whole() { self.sample(cos, sin).value } else { self.determinant(cos, sin) };
+            *values = (power * value / self.divisor(cos, sin)).0;
         }
         let mut coefficients = [[0.0; 2]; MAX_DEGREE + 1];
         let mut greatest = 0.0;

@@ -19,6 +19,12 @@ impl Wide {
         Self([value; LANES])
     }
 
+    /// One of them; none is not a number.
+    #[inline]
+    pub(super) fn lane(self, lane: usize) -> f64 {
+        self.0.get(lane).copied().unwrap_or(f64::NAN)
+    }
+
     #[inline]
     pub(super) fn map(self, f: impl Fn(f64) -> f64) -> Self {
         let [a, b, c, d] = self.0;
@@ -45,6 +51,13 @@ impl Wide {
     #[inline]
     pub(super) fn if_greater(self, than: Self, then: Self, or: Self) -> Self {
         let pick = |k: usize| if self.0[k] > than.0[k] { then.0[k] } else { or.0[k] };
+        Self([pick(0), pick(1), pick(2), pick(3)])
+    }
+
+    /// With the numbers of another in some lanes.
+    #[inline]
+    pub(super) fn with_lanes(self, of: Self, lanes: [bool; LANES]) -> Self {
+        let pick = |k: usize| if lanes[k] { of.0[k] } else { self.0[k] };
         Self([pick(0), pick(1), pick(2), pick(3)])
     }
 
@@ -150,17 +163,20 @@ pub(super) fn vector_if_greater(
 /// Smaller than any column that matters, and large enough for its square to have an inverse.
 const NOTHING: f64 = 1e-140;
 
-/// Solves `N` equations, given column by column, the last `COLUMNS` - `N` of which are right-hand sides, in place: the
-/// solutions are in these columns then. Returns the determinant.
+/// Solves `ROWS` equations in `N` unknowns, given column by column, the last `COLUMNS` - `N` of which are right-hand sides,
+/// in place: the first `N` numbers of these columns are the solutions then, those with the least squares where there are
+/// more equations than unknowns. Returns the determinant.
 ///
 /// By Householder's reflections, which have no pivots to be chosen \[Golub and Van Loan, Matrix Computations, §5.2\].
 #[inline]
-pub(super) fn solve<const N: usize, const COLUMNS: usize>(a: &mut [[Wide; N]; COLUMNS]) -> Wide {
+pub(super) fn solve<const ROWS: usize, const N: usize, const COLUMNS: usize>(
+    a: &mut [[Wide; ROWS]; COLUMNS],
+) -> Wide {
     let mut determinant = Wide::ONE;
     let mut inverses = [Wide::ZERO; N];
     for k in 0..N {
         let top = a[k];
-        if k + 1 == N {
+        if k + 1 == ROWS {
             determinant = determinant * top[k];
             inverses[k] = Wide::ONE / top[k];
             break;
@@ -175,11 +191,11 @@ pub(super) fn solve<const N: usize, const COLUMNS: usize>(a: &mut [[Wide; N]; CO
         inverses[k] = Wide::ONE / diagonal;
         for column in a.iter_mut().skip(k + 1) {
             let mut product = Wide::ZERO;
-            for r in k..N {
+            for r in k..ROWS {
                 product += normal[r] * column[r];
             }
             let product = product * factor;
-            for r in k..N {
+            for r in k..ROWS {
                 column[r] += product * normal[r];
             }
         }
@@ -215,7 +231,7 @@ mod tests {
             }
         }
         let mut solved = columns;
-        let determinant = solve::<6, 8>(&mut solved);
+        let determinant = solve::<6, 6, 8>(&mut solved);
         for lane in 0..LANES {
             let mut rows = [[0.0; 8]; 6];
             for (c, column) in columns.iter().enumerate() {
