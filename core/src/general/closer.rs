@@ -14,6 +14,9 @@ const MOST: usize = 12;
 /// How far beyond its ends a place is looked at, in parts of its half.
 const MARGIN: f64 = 0.25;
 
+/// How far (rad) the ends of a place, with its margin, are from its middle when it is seen closer; more where it is wide.
+const SEEN: f64 = 2.0;
+
 /// Places that are wider (rad) are not seen better than from afar.
 const WIDEST: f64 = 2.0;
 
@@ -118,7 +121,7 @@ fn settled(resultant: &Resultant, waves: &Waves, view: View, noise: f64) -> (Can
         for list in [&mut all.likely, &mut all.unlikely, &mut possible] {
             list.retain(|x| !inside(x));
         }
-        let closer = waves.roots();
+        let closer = waves.roots_within(SEEN);
         all.doubtful |= closer.overflown;
         add(&closer, view, inside, &mut all, &mut possible, &mut places, half);
     }

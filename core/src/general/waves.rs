@@ -212,10 +212,18 @@ impl Waves {
     /// is monotonous or has one extremum is searched, others are halved. Where the values are within what is uncertain
     /// of them, a candidate is given.
     pub(super) fn roots(&self) -> Roots {
+        self.roots_within(core::f64::consts::PI)
+    }
+
+    /// The same for those that are at most this far (rad) from 0, and some others.
+    pub(super) fn roots_within(&self, most: f64) -> Roots {
         let mut roots = Roots::NONE;
         let edge = |cell: usize| START + cell as f64 * WIDTH;
         for (cell, at_middle) in self.at_cells().into_iter().enumerate() {
-            self.search([edge(cell), edge(cell + 1)], at_middle, &mut roots);
+            let [low, high] = [edge(cell), edge(cell + 1)];
+            if libm::fabs(Float::wrap_angle(f64::midpoint(low, high))) <= most + WIDTH {
+                self.search([low, high], at_middle, &mut roots);
+            }
         }
         roots
     }
