@@ -24,6 +24,7 @@ mod linear;
 mod pair;
 mod posture;
 mod resultant;
+mod roots;
 mod starts;
 mod triple;
 mod waves;
@@ -302,7 +303,7 @@ impl SixJoints<'_> {
             let others = resultant.others(roots);
             let postures = pair
                 .as_ref()
-                .map(|pair| posture::land(&scaled, &target, &circuit.rest_together(pair, others)));
+                .map(|pair| posture::land(&scaled, &target, &circuit.rest_together(pair, &others)));
             for (lane, place) in together.into_iter().enumerate() {
                 let Some((_, likely)) = place else { break };
                 let mut hit = !likely;

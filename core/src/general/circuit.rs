@@ -63,10 +63,10 @@ impl Circuit {
 
     /// The same for several candidates at once, and where the values are of use: not where there is but one equation for
     /// joint 1. Joints 1 and 2 of the circuit must be revolute.
-    pub(super) fn rest_together(&self, pair: &Pair, known: [Values; 3]) -> [Values; JOINTS] {
+    pub(super) fn rest_together(&self, pair: &Pair, known: &[Values; 3]) -> [Values; JOINTS] {
         let [first, between, near, third, fourth, fifth] = &self.links;
         let mut far = Frames::all(near);
-        for ((place, values), link) in (3..).zip(&known).zip([third, fourth, fifth]) {
+        for ((place, values), link) in (3..).zip(known).zip([third, fourth, fifth]) {
             far = far.moved(values, self.slides(place)).compose(link);
         }
         let products = products_together(far.translation, far.z_axis());
@@ -92,7 +92,7 @@ impl Circuit {
         let [[a, b, _], [d, e, _], [g, h, _]] = far.rotation;
         let dropped = Values::towards(dot(row, [a, d, g]), dot(row, [b, e, h]));
         let mut values = [Values::ZERO; JOINTS];
-        let [three, four, five] = known;
+        let [three, four, five] = *known;
         for (joint, value) in self.order.iter().zip([dropped, one, two, three, four, five]) {
             if let Some(place) = values.get_mut(*joint) {
                 *place = if self.backward { value.reversed() } else { value };

@@ -6,7 +6,8 @@
 
 use super::NOISE;
 use super::resultant::Resultant;
-use super::waves::{List, Roots, Waves};
+use super::roots::{List, Roots};
+use super::waves::Waves;
 
 /// How many places are seen closer, at most.
 const MOST: usize = 12;
@@ -37,6 +38,9 @@ pub(super) struct View {
 impl View {
     /// As it is.
     pub(super) const WHOLE: Self = Self { centre: 0.0, scale: 1.0 };
+
+    /// The same from elsewhere (rad): not a whole number of steps between samples.
+    const ASIDE: Self = Self { centre: 0.1, scale: 1.0 };
 
     /// Whether it is as wide as it is.
     pub(super) fn is_whole(&self) -> bool {
@@ -80,20 +84,20 @@ pub(super) struct Candidates {
 
 /// All roots; also says how noisy the coefficients are.
 pub(super) fn roots(resultant: &Resultant) -> (Candidates, f64) {
-    let (mut waves, mut noise) = resultant.waves(View::WHOLE);
-    if noise > NOISY || noise.is_nan() {
-        // A sample may have been next to a place where its equations are dependent.
-        let (other, less) = resultant.waves(View { centre: 0.1, scale: 1.0 });
-        if less < noise || noise.is_nan() {
-            let (candidates, _) = settled(resultant, &other, View { centre: 0.1, scale: 1.0 }, less);
-            return (candidates, less);
-        }
-        (waves, noise) = (waves, noise);
+    let (waves, noise) = resultant.waves(View::WHOLE);
+    if noise <= NOISY {
+        return (settled(resultant, &waves, View::WHOLE, noise), noise);
     }
-    settled(resultant, &waves, View::WHOLE, noise)
+    // A sample may have been next to a place where its equations are dependent.
+    let (other, less) = resultant.waves(View::ASIDE);
+    if less < noise || noise.is_nan() {
+        return (settled(resultant, &other, View::ASIDE, less), less);
+    }
+    (settled(resultant, &waves, View::WHOLE, noise), noise)
 }
 
-fn settled(resultant: &Resultant, waves: &Waves, view: View, noise: f64) -> (Candidates, f64) {
+/// The roots of a polynomial that is seen wholly.
+fn settled(resultant: &Resultant, waves: &Waves, view: View, noise: f64) -> Candidates {
     let roots = waves.roots();
     let mut all = Candidates {
         likely: List::EMPTY,
@@ -132,7 +136,7 @@ fn settled(resultant: &Resultant, waves: &Waves, view: View, noise: f64) -> (Can
     if all.likely.as_slice().is_empty() {
         all.miss = waves.miss(&roots);
     }
-    (all, noise)
+    all
 }
 
 /// Adds what was found in a view, where it is inside, and notes places that are less than `wide` (rad) to be seen closer.
@@ -155,9 +159,11 @@ fn add(
     for [low, high] in roots.clusters() {
         let place = [*low, *high].map(|y| view.x(y));
         let [low, high] = place;
+        // A turn may end in between.
+        let high = if high < low && view.is_whole() { high + core::f64::consts::TAU } else { high };
         let size = high - low;
         if (inside(low) || inside(high)) && size > NARROWEST && size < WIDEST && size < wide {
-            places.push(place);
+            places.push([low, high]);
         }
     }
 }

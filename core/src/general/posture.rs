@@ -154,6 +154,7 @@ impl Frames {
 }
 
 /// Sets of joint values, and what became of each.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Postures {
     values: [Values; JOINTS],
     /// How far every joint has gone (rad, reaches).
@@ -197,7 +198,7 @@ impl Postures {
 /// The solutions that are found from joint values.
 pub(super) fn land(arm: &SixJoints<'_>, target: &Frame, from: &[Values; JOINTS]) -> Postures {
     let postures = newton(arm, target, from);
-    if postures.met == [true; LANES] { postures } else { descend(arm, target, from, postures) }
+    if postures.met == [true; LANES] { postures } else { descend(arm, target, from, &postures) }
 }
 
 /// Joint values of several places, the last ones again where there are fewer than lanes.
@@ -218,36 +219,28 @@ pub(super) fn gathered(arm: &SixJoints<'_>, places: &[[f64; JOINTS]]) -> [Values
 /// or leads through singular places do not meet it: there, damped steps may help.
 fn newton(arm: &SixJoints<'_>, target: &Frame, from: &[Values; JOINTS]) -> Postures {
     let mut postures = Postures::new(from);
-    let mut lost = [false; LANES];
+    let mut ended = [false; LANES];
     for _ in 0..STEPS {
         let (mut columns, trace) = system(arm, target, &postures.values);
         let determinant = solve::<JOINTS, JOINTS, { JOINTS + 1 }>(&mut columns);
-        let [.., mut steps] = columns;
+        let [.., steps] = columns;
         let mut longest = Wide::ZERO;
         for step in &steps {
             // Not a number is longest.
             longest = longest.if_greater(step.abs(), longest, step.abs());
         }
-        for lane in 0..LANES {
-            if postures.met[lane] || lost[lane] {
-                for step in &mut steps {
-                    step.0[lane] = 0.0;
-                }
-                continue;
-            }
-            postures.determinant.0[lane] = determinant.0[lane];
-            // A turn of more than a quarter, which the error doesn't say, or a step that leads away.
-            if trace.0[lane] > 1.0 && longest.0[lane] <= LONGEST {
-                postures.met[lane] = longest.0[lane] <= SHORT;
-            } else {
-                lost[lane] = true;
-                for step in &mut steps {
-                    step.0[lane] = 0.0;
-                }
+        let mut going = [false; LANES];
+        for (lane, going) in going.iter_mut().enumerate() {
+            if !ended[lane] {
+                // A turn of more than a quarter, which the error doesn't say, or a step that leads away, ends it as well.
+                *going = trace.lane(lane) > 1.0 && longest.lane(lane) <= LONGEST;
+                postures.met[lane] = *going && longest.lane(lane) <= SHORT;
+                ended[lane] = postures.met[lane] || !*going;
             }
         }
-        postures.step(arm, &steps);
-        if (0..LANES).all(|lane| postures.met[lane] || lost[lane]) {
+        postures.determinant = postures.determinant.with_lanes(determinant, going);
+        postures.step(arm, &steps.map(|step| Wide::ZERO.with_lanes(step, going)));
+        if ended == [true; LANES] {
             break;
         }
     }
@@ -266,7 +259,7 @@ const DAMPING: f64 = 16.0;
 /// Where Newton's method didn't meet the target: by damped steps, as `crate::polish` does them.
 #[cold]
 #[inline(never)]
-fn descend(arm: &SixJoints<'_>, target: &Frame, from: &[Values; JOINTS], newton: Postures) -> Postures {
+fn descend(arm: &SixJoints<'_>, target: &Frame, from: &[Values; JOINTS], newton: &Postures) -> Postures {
     let mut here = Postures::new(from);
     let mut at = Errors::new(arm, target, &here.values);
     let mut damping = Wide::ONE;
@@ -301,7 +294,7 @@ fn descend(arm: &SixJoints<'_>, target: &Frame, from: &[Values; JOINTS], newton:
     let [columns @ .., _] = &mut at.columns;
     here.determinant = solve::<JOINTS, JOINTS, JOINTS>(columns);
     here.met = at.met();
-    here.take(&newton, newton.met);
+    here.take(newton, newton.met);
     here
 }
 
@@ -317,8 +310,8 @@ impl Postures {
             *own = own.with_lanes(*from, lanes);
         }
         self.determinant = self.determinant.with_lanes(other.determinant, lanes);
-        for lane in 0..LANES {
-            self.met[lane] = if lanes[lane] { other.met[lane] } else { self.met[lane] };
+        for ((own, from), taken) in self.met.iter_mut().zip(other.met).zip(lanes) {
+            *own = if taken { from } else { *own };
         }
     }
 }
