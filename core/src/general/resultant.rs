@@ -101,15 +101,14 @@ impl Resultant {
     #[inline]
     fn sample(&self, cos: Wide, sin: Wide) -> Sample {
         let [constant, cosine, sine] = &self.parts;
-        let mut columns = [[Wide::ZERO; LEFT]; 9];
-        for r in 0..LEFT {
-            for k in 0..9 {
-                columns[k][r] = Wide::all(constant[k][r]) + cos * cosine[k][r] + sin * sine[k][r];
+        let mut rows = [[Wide::ZERO; 9]; LEFT];
+        for (r, row) in rows.iter_mut().enumerate() {
+            for (k, place) in row.iter_mut().enumerate() {
+                *place = Wide::all(constant[k][r]) + cos * cosine[k][r] + sin * sine[k][r];
             }
         }
-        let size = super::wide::solve::<LEFT, LEFT, 9>(&mut columns);
-        let [.., x, y, z] = columns;
-        let row = |r: usize| [x[r], y[r], z[r]];
+        let size = super::wide::eliminate::<LEFT, 9>(&mut rows);
+        let row = |r: usize| [rows[r][6], rows[r][7], rows[r][8]];
         let (to_first, to_last) = ([row(0), row(1), row(2)], [row(3), row(4), row(5)]);
         let mut kernel = [[Wide::ZERO; 3]; 3];
         for i in 0..3 {
