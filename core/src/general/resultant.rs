@@ -83,15 +83,20 @@ impl Resultant {
         // Samples at an angle, a quarter and half a turn from there.
         let mut parts = [[[0.0; LEFT]; 9]; 3];
         let [constants, cosines, sines] = &mut parts;
-        let (at0, rest) = equations.split_at(9);
-        let (at1, at2) = rest.split_at(9);
-        for (to, from) in [0, 1, 2, 6, 7, 8, 3, 4, 5].into_iter().enumerate() {
+        let [at0, at1, at2] = equations.as_chunks::<9>().0 else { return None };
+        for k in 0..9 {
             for r in 0..LEFT {
-                let mean = 0.5 * (at0[from][r] + at2[from][r]);
-                constants[to][r] = mean;
-                cosines[to][r] = at0[from][r] - mean;
-                sines[to][r] = at1[from][r] - mean;
+                let mean = 0.5 * (at0[k][r] + at2[k][r]);
+                constants[k][r] = mean;
+                cosines[k][r] = at0[k][r] - mean;
+                sines[k][r] = at1[k][r] - mean;
             }
+        }
+        // t behind its square.
+        for [_, _, _, t0, t1, t2, s0, s1, s2] in &mut parts {
+            core::mem::swap(t0, s0);
+            core::mem::swap(t1, s1);
+            core::mem::swap(t2, s2);
         }
         let factors = if chart.divided { triple::factors(&samples) } else { [UNITY; 2] };
         Some(Self { parts, factors, pivot, chart, slides })
@@ -130,16 +135,19 @@ impl Resultant {
     #[inline(never)]
     fn determinant(&self, cos: Wide, sin: Wide) -> Wide {
         let [constant, cosine, sine] = &self.parts;
-        let mut columns = [[Wide::ZERO; 12]; 12];
-        for (k, block) in [0, 6, 3].into_iter().enumerate() {
-            for c in 0..3 {
-                for r in 0..LEFT {
-                    let value = Wide::all(constant[block + c][r])
-                        + cos * cosine[block + c][r]
-                        + sin * sine[block + c][r];
-                    columns[3 * k + c][r] = value;
-                    columns[3 * k + 3 + c][LEFT + r] = value;
-                }
+        let mut products = [[Wide::ZERO; LEFT]; 9];
+        for (k, column) in products.iter_mut().enumerate() {
+            for (r, place) in column.iter_mut().enumerate() {
+                *place = Wide::all(constant[k][r]) + cos * cosine[k][r] + sin * sine[k][r];
+            }
+        }
+        let [a, b, c, d, e, f, g, h, i] = products;
+        // By powers of t, and the same times t.
+        let mut columns = [[Wide::ZERO; 2 * LEFT]; 12];
+        for (k, column) in [a, b, c, g, h, i, d, e, f].into_iter().enumerate() {
+            for (r, value) in column.into_iter().enumerate() {
+                columns[k][r] = value;
+                columns[k + 3][LEFT + r] = value;
             }
         }
         super::wide::solve::<12, 12, 12>(&mut columns)
