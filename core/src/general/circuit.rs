@@ -80,9 +80,13 @@ impl Circuit {
         let one = Values::towards(ac * bb - bc * ab, bc * aa - ac * ab);
         let (cos, sin) = one.direction();
         let (mut x, mut y) = (Wide::ZERO, Wide::ZERO);
+        let mut seen = [Wide::ZERO; PRODUCTS];
+        for (k, place) in seen.iter_mut().enumerate() {
+            *place = Wide::all(at[k]) + cos * cosines[k] + sin * sines[k];
+        }
+        let pick = |list: &[Wide; PRODUCTS], k: usize| list.get(k).copied().unwrap_or(Wide::ZERO);
         for [k, l] in TURNED {
-            let seen = |k: usize| Wide::all(at[k]) + cos * cosines[k] + sin * sines[k];
-            let (a, b, c, d) = (products[k], products[l], seen(k), seen(l));
+            let (a, b, c, d) = (pick(&products, k), pick(&products, l), pick(&seen, k), pick(&seen, l));
             x += a * c + b * d;
             y += a * d - b * c;
         }
