@@ -14,26 +14,35 @@
 //! Where the polynomial is doubtful (roots that have met, a target at which it vanishes) another choice of joints is asked
 //! as well. Which choices suit an arm best is found by the compiler.
 
+mod chart;
 mod circuit;
+mod closer;
 mod continuum;
 mod jacobian;
 mod known;
 mod line;
 mod linear;
-mod newton;
+mod pair;
+mod posture;
 mod resultant;
+mod roots;
 mod starts;
+mod triple;
 mod waves;
+mod wide;
 
 pub(crate) use waves::Waves;
 
 use crate::Frame;
-use crate::polish::polish;
+pub use chart::Chart;
 use circuit::Circuit;
+use closer::View;
 use known::Known;
 pub(crate) use known::same;
+use pair::Pair;
 use resultant::Resultant;
-use starts::{PATIENCE, STARTS, starts};
+use starts::{PATIENCE, STARTS, Starts, everywhere};
+use wide::{LANES, Wide};
 
 /// How many joints the caller leaves to be found.
 pub(crate) const JOINTS: usize = 6;
@@ -95,77 +104,6 @@ pub struct SixJoints<'a> {
     pub charts: &'a [Chart],
 }
 
-/// Which joints play which part.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Chart {
-    /// The joint whose axis is the line; its value comes last. Must be revolute.
-    pub dropped: u8,
-    /// Whether the circuit is run through towards the base.
-    pub backward: bool,
-    /// Which of the three joints far from the cut is hidden in the polynomial: 0, 1 or 2, counted along the circuit. Must
-    /// be revolute.
-    pub hidden: u8,
-    /// Which of the other two the resultant eliminates.
-    pub swapped: bool,
-    /// Whether the resultant has a factor that is the same for all targets, to be divided out.
-    pub divided: bool,
-    /// Degree of the polynomial.
-    pub degree: u8,
-    /// How often it repeats itself in a turn of the joint; its degree is that of one period.
-    pub periods: u8,
-}
-
-impl Chart {
-    /// A choice of joints.
-    pub const fn new(
-        dropped: u8,
-        backward: bool,
-        hidden: u8,
-        swapped: bool,
-        divided: bool,
-        degree: u8,
-    ) -> Self {
-        Self { dropped, backward, hidden, swapped, divided, degree, periods: 1 }
-    }
-
-    /// The same for a polynomial that repeats itself in a turn.
-    #[must_use]
-    pub const fn repeated(self, periods: u8) -> Self {
-        Self { periods, ..self }
-    }
-
-    /// Degree of the polynomial over a whole turn of the joint.
-    pub const fn degree_of_turn(&self) -> u8 {
-        self.degree * if self.periods > 1 { self.periods } else { 1 }
-    }
-
-    /// The joint whose angle the polynomial is in.
-    pub const fn unknown(&self) -> usize {
-        let along = (self.hidden % 3) as usize + 3;
-        self.place(along)
-    }
-
-    /// The two joints that are eliminated first.
-    pub const fn eliminated(&self) -> [usize; 2] {
-        [self.place(1), self.place(2)]
-    }
-
-    /// The two joints besides [`Chart::unknown`] that the resultant is in.
-    pub const fn resolved(&self) -> [usize; 2] {
-        match self.hidden % 3 {
-            0 => [self.place(4), self.place(5)],
-            1 => [self.place(3), self.place(5)],
-            _ => [self.place(3), self.place(4)],
-        }
-    }
-
-    /// The joint of the arm at a place of the circuit.
-    const fn place(self, along: usize) -> usize {
-        let first = self.dropped as usize % JOINTS;
-        if self.backward { (first + JOINTS - along) % JOINTS } else { (first + along) % JOINTS }
-    }
-}
-
 /// What a search of one chart came to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
@@ -182,12 +120,12 @@ pub struct Outcome {
 impl SixJoints<'_> {
     /// Hands every solution for a pose of the tip to `found`, some of them more than once.
     ///
-    /// Solutions are joint values (rad, m).
-    pub fn solve(&self, pose: &Frame, mut found: impl FnMut(&[f64; JOINTS])) -> Outcome {
+    /// Solutions are joint values (rad, m), with the determinant of the Jacobian (reaches, rad).
+    pub fn solve(&self, pose: &Frame, mut found: impl FnMut(&[f64; JOINTS], f64)) -> Outcome {
         let mut known = Known::new(self.prismatic, ONE);
-        let (mut outcome, sure) = self.solve_plainly(pose, |solution| {
+        let (mut outcome, sure) = self.solve_plainly(pose, |solution, determinant| {
             known.insert(solution);
-            found(solution);
+            found(solution, determinant);
         });
         if sure {
             return outcome;
@@ -197,10 +135,11 @@ impl SixJoints<'_> {
             for (size, side) in NEIGHBOURS {
                 let [x, y, z, roll, pitch, yaw] = side.map(|part| part * size);
                 let step = Frame::from_rpy([x, y, z].map(|length| length * self.reach), [roll, pitch, yaw]);
-                let from = self.solve_from(*chart, &pose.compose(&step), pose, &mut |solution| {
-                    known.insert(solution);
-                    found(solution);
-                });
+                let from =
+                    self.solve_from(*chart, &pose.compose(&step), pose, &mut |solution, determinant| {
+                        known.insert(solution);
+                        found(solution, determinant);
+                    });
                 outcome = Outcome { doubtful: true, ..outcome.and(from) };
             }
         }
@@ -210,29 +149,30 @@ impl SixJoints<'_> {
         while let Some(mut solution) = known.get(place).filter(|_| place < crate::MAX_SOLUTIONS) {
             place += 1;
             self.each_slide(&mut solution, |value| value / self.reach);
-            for start in scaled.beside(&solution) {
-                if let Some(solution) = scaled.nearby(&target, &start) {
-                    let solution = self.in_metres(solution);
+            let mut beside = scaled.beside(&solution);
+            while let Some(starts) = Starts::next(&mut beside) {
+                scaled.landings(&target, &starts, |solution, _, determinant| {
+                    let solution = self.in_metres(*solution);
                     known.insert(&solution);
-                    found(&solution);
-                }
+                    found(&solution, determinant);
+                });
             }
         }
         // At the edge of the workspace no neighbour may be attainable, and on some arms roots are double at every pose; there,
         // Newton's method needs no polynomial.
+        let mut everywhere = everywhere();
         let mut idle = 0;
-        for start in starts() {
-            idle += 1;
-            if let Some(solution) = scaled.nearby(&target, &start) {
-                let solution = self.in_metres(solution);
+        while idle <= STARTS + PATIENCE * known.len()
+            && let Some(starts) = Starts::next(&mut everywhere)
+        {
+            idle += starts.as_slice().len();
+            scaled.landings(&target, &starts, |solution, _, determinant| {
+                let solution = self.in_metres(*solution);
                 if known.insert(&solution) {
                     idle = 0;
                 }
-                found(&solution);
-            }
-            if idle > STARTS + PATIENCE * known.len() as u32 {
-                break;
-            }
+                found(&solution, determinant);
+            });
         }
         outcome
     }
@@ -242,14 +182,14 @@ impl SixJoints<'_> {
     pub(crate) fn solve_plainly(
         &self,
         pose: &Frame,
-        mut found: impl FnMut(&[f64; JOINTS]),
+        mut found: impl FnMut(&[f64; JOINTS], f64),
     ) -> (Outcome, bool) {
         let mut outcome = Outcome::UNKNOWN;
         let (mut any, mut doubtful) = (false, self.charts.is_empty());
         for chart in self.charts {
-            let this = self.solve_in(*chart, pose, &mut |solution| {
+            let this = self.solve_in(*chart, pose, &mut |solution, determinant| {
                 any = true;
-                found(solution);
+                found(solution, determinant);
             });
             doubtful |= this.doubtful;
             outcome = outcome.and(this);
@@ -262,7 +202,12 @@ impl SixJoints<'_> {
     }
 
     /// The same by one choice of joints.
-    pub fn solve_in(&self, chart: Chart, pose: &Frame, found: &mut impl FnMut(&[f64; JOINTS])) -> Outcome {
+    pub fn solve_in(
+        &self,
+        chart: Chart,
+        pose: &Frame,
+        found: &mut impl FnMut(&[f64; JOINTS], f64),
+    ) -> Outcome {
         self.solve_from(chart, pose, pose, found)
     }
 
@@ -272,59 +217,86 @@ impl SixJoints<'_> {
         chart: Chart,
         from: &Frame,
         pose: &Frame,
-        found: &mut impl FnMut(&[f64; JOINTS]),
+        found: &mut impl FnMut(&[f64; JOINTS], f64),
     ) -> Outcome {
         let scaled = self.scaled();
         let circuit = scaled.circuit(chart, &self.in_reaches(from));
-        let Some(resultant) = Resultant::new(&circuit, chart) else {
+        let pair = Pair::new(&circuit);
+        let Some(resultant) = Resultant::new(&circuit, pair.as_ref(), chart) else {
             return Outcome::UNKNOWN;
         };
-        let (waves, noise) = resultant.waves();
+        let (roots, noise) = closer::roots(&resultant);
         if noise > USELESS || noise.is_nan() {
             return Outcome::UNKNOWN;
         }
         let target = self.in_reaches(pose);
-        let roots = waves.roots();
-        let miss = if roots.as_slice().is_empty() { waves.miss(&roots) } else { 0.0 };
-        let degenerate = noise > NOISE || resultant.pivot < PIVOT;
-        let doubtful = roots.doubtful || degenerate;
-        let mut outcome = Outcome { doubtful, miss, moved: 0.0, doubted: false };
+        let doubtful = roots.doubtful || resultant.pivot < PIVOT;
+        let mut outcome = Outcome { doubtful, miss: roots.miss, moved: 0.0, doubted: false };
         let mut known = Known::new(self.prismatic, SAME);
         let periods = chart.periods.max(1);
-        let likely = roots.as_slice().iter().map(|root| (*root, true));
-        let places = likely.chain(roots.unlikely().iter().map(|root| (*root, false)));
+        let likely = roots.likely.as_slice().iter().map(|root| (*root, true));
+        let places = likely.chain(roots.unlikely.as_slice().iter().map(|root| (*root, false)));
         let places = places.flat_map(|place| (0..periods).map(move |turn| (place, turn)));
-        for ((root, likely), turn) in places {
-            let root = (root + f64::from(turn) * core::f64::consts::TAU) / f64::from(periods);
-            let mut hit = !likely;
-            for q in circuit.rest(resultant.others(root)).iter().flatten() {
-                let Some(solution) = scaled.nearby(&target, q) else { continue };
-                let moved = solution.iter().zip(q).map(|(to, from)| libm::fabs(to - from));
-                let moved = moved.fold(0.0, |most, x| if x > most { x } else { most });
-                outcome.moved = if moved > outcome.moved { moved } else { outcome.moved };
-                let unknown = |q: &[f64; JOINTS]| q.get(chart.unknown()).copied().unwrap_or(f64::NAN);
-                hit |= libm::fabs(unknown(&solution) - unknown(q)) <= FAR;
-                // Two roots have gone to one solution: another may have none. Where one is that should not be, the polynomial is
-                // not to be trusted.
-                outcome.doubtful |= known.insert(&solution) != likely;
-                found(&self.in_metres(solution));
+        let mut places = places.map(|((root, likely), turn)| {
+            ((root + f64::from(turn) * core::f64::consts::TAU) / f64::from(periods), likely)
+        });
+        loop {
+            let mut together = [None; LANES];
+            for (to, place) in together.iter_mut().zip(&mut places) {
+                *to = Some(place);
             }
-            outcome.doubtful |= !hit;
+            let [Some((root, _)), ..] = together else { break };
+            let roots = Wide(together.map(|place| place.map_or(root, |(root, _)| root)));
+            let others = resultant.others(roots);
+            let postures = pair
+                .as_ref()
+                .map(|pair| posture::land(&scaled, &target, &circuit.rest_together(pair, &others)));
+            for (lane, place) in together.into_iter().enumerate() {
+                let Some((_, likely)) = place else { break };
+                let mut hit = !likely;
+                let mut add = |q: &[f64; JOINTS], travel: &[f64; JOINTS], determinant: f64| {
+                    let travel = travel.map(libm::fabs);
+                    let moved = travel.into_iter().fold(0.0, |most, x| if x > most { x } else { most });
+                    outcome.moved = if moved > outcome.moved { moved } else { outcome.moved };
+                    hit |= travel.get(chart.unknown()).is_some_and(|moved| *moved <= FAR);
+                    // Two roots have gone to one solution: another may have none. Where one is that should not be, the
+                    // polynomial is not to be trusted.
+                    outcome.doubtful |= known.insert(q) != likely;
+                    found(&self.in_metres(*q), determinant);
+                };
+                if let Some(postures) = &postures {
+                    if let Some((q, travel, determinant)) = postures.solution(&scaled, lane) {
+                        add(&q, &travel, determinant);
+                    }
+                } else {
+                    let known = [0, 1, 2].map(|k| others[k].value(circuit.slides(k + 3), lane));
+                    let mut candidates = circuit.rest(known).into_iter().flatten();
+                    if let Some(starts) = Starts::next(&mut candidates) {
+                        scaled.landings(&target, &starts, add);
+                    }
+                }
+                outcome.doubtful |= !hit;
+            }
         }
         // Real solutions come and go in pairs.
         outcome.doubtful |= known.len() % 2 == 1;
         outcome
     }
 
-    /// The solution that Newton's method finds from joint values, all in reaches.
-    fn nearby(&self, target: &Frame, q: &[f64; JOINTS]) -> Option<[f64; JOINTS]> {
-        if let Some(solution) = newton::newton(self, target, q) {
-            return Some(solution);
+    /// Hands the solutions that Newton's method finds from some places on, how far they are from there, and the
+    /// determinant of the Jacobian; all in reaches.
+    fn landings(
+        &self,
+        target: &Frame,
+        starts: &Starts,
+        mut each: impl FnMut(&[f64; JOINTS], &[f64; JOINTS], f64),
+    ) {
+        let postures = posture::land(self, target, &posture::gathered(self, starts.as_slice()));
+        for lane in 0..starts.as_slice().len() {
+            if let Some((q, travel, determinant)) = postures.solution(self, lane) {
+                each(&q, &travel, determinant);
+            }
         }
-        let exact = |q: &[f64; JOINTS]| jacobian::pose_and_jacobian(self, q);
-        let solution = polish(*q, target, 1.0, STEPS, exact);
-        // Each by itself: the greater of a number and none is the number.
-        (solution.position_error <= FOUND && solution.rotation_error <= FOUND).then_some(solution.q)
     }
 
     fn in_metres(&self, mut q: [f64; JOINTS]) -> [f64; JOINTS] {
@@ -345,7 +317,8 @@ impl SixJoints<'_> {
     /// chart's degree is too low.
     pub fn noise(&self, chart: Chart, pose: &Frame) -> f64 {
         let circuit = self.scaled().circuit(chart, &self.in_reaches(pose));
-        Resultant::new(&circuit, chart).map_or(f64::INFINITY, |resultant| resultant.waves().1)
+        Resultant::new(&circuit, Pair::new(&circuit).as_ref(), chart)
+            .map_or(f64::INFINITY, |resultant| resultant.waves(View::WHOLE).1)
     }
 
     fn circuit(&self, chart: Chart, pose: &Frame) -> Circuit {
@@ -375,9 +348,6 @@ impl Outcome {
         Self { miss, doubted: self.doubted || other.doubtful, ..other }
     }
 }
-
-/// Steps of Newton's method at most: two or three where the pose is regular.
-const STEPS: usize = 40;
 
 /// Two solutions that are nearer than this (rad, reaches) are one.
 const SAME: f64 = 1e-9;

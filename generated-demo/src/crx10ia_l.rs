@@ -178,8 +178,8 @@ impl CRX10iAL {
     ///
     /// ```text
     /// theta4:   a trigonometric polynomial of degree 8 in theta4 is 0
-    ///           (the line of axis theta5 seen from both sides; theta6 and theta1 eliminated from
-    ///           its 14 power products, theta2 and theta3 by a resultant; they and theta5 follow
+    ///           (the line of axis theta2 seen from both sides; theta1 and theta6 eliminated from
+    ///           its 14 power products, theta5 and theta3 by a resultant; they and theta2 follow
     ///           from each root)
     ///           determinant + or -: that of the Jacobian, which several solutions may share
     /// ```
@@ -553,8 +553,8 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, I
         given: &[],
         reach: 1.559_999_999_999_999_8,
         charts: &[
-            Chart::new(4, false, 2, true, true, 4).repeated(2),
             Chart::new(1, true, 1, true, true, 4).repeated(2),
+            Chart::new(4, false, 2, true, true, 4).repeated(2),
             Chart::new(4, false, 0, false, false, 8),
         ],
     };
@@ -565,8 +565,8 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, I
     let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
     // theta4: a trigonometric polynomial of degree 8 in theta4 is 0
-    // (the line of axis theta5 seen from both sides; theta6 and theta1 eliminated from its 14 power
-    // products, theta2 and theta3 by a resultant; they and theta5 follow from each root)
+    // (the line of axis theta2 seen from both sides; theta1 and theta6 eliminated from its 14 power
+    // products, theta5 and theta3 by a resultant; they and theta2 follow from each root)
     let mut candidates = search.general(THETA4, &CHAIN, &target, &[]);
     while let Some([theta1, theta2, theta3, theta4, theta5, theta6]) = search.next_candidate(&mut candidates) {
         let q = [

@@ -192,7 +192,7 @@ impl Elbow3R {
     ///           (rows 1 and 2 of the position in frame 1)
     /// ```
     ///
-    /// Another method (a trigonometric polynomial of degree 8 in theta2 is 0) finds the same
+    /// Another method (a trigonometric polynomial of degree 8 in tool1 is 0) finds the same
     /// solutions at 32 of 32 random poses.
     ///
     /// Besides solving, on each branch: 23 multiplications, 11 additions, 0 sine-cosine pairs.

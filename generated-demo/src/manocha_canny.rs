@@ -183,14 +183,14 @@ impl ManochaCanny6R {
     /// Solved one after the other:
     ///
     /// ```text
-    /// theta4:   a trigonometric polynomial of degree 12 in theta4 is 0
+    /// theta3:   a trigonometric polynomial of degree 12 in theta3 is 0
     ///           (the line of axis theta5 seen from both sides; theta6 and theta1 eliminated from
-    ///           its 14 power products, theta2 and theta3 by a resultant; they and theta5 follow
+    ///           its 14 power products, theta2 and theta4 by a resultant; they and theta5 follow
     ///           from each root)
     ///           determinant + or -: that of the Jacobian, which several solutions may share
     /// ```
     ///
-    /// Another method (a trigonometric polynomial of degree 12 in theta3 is 0) finds the same
+    /// Another method (a trigonometric polynomial of degree 12 in theta4 is 0) finds the same
     /// solutions at 32 of 32 random poses.
     ///
     /// Besides solving, on each branch: 0 multiplications, 0 additions, 0 sine-cosine pairs.
@@ -630,7 +630,7 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 /// Every solution of the full pose.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, IkError> {
-    const THETA4: Step = Step::new(0, 0b11_1111, false, Measure::Ratio);
+    const THETA3: Step = Step::new(0, 0b11_1111, false, Measure::Ratio);
     #[rustfmt::skip]
     const CHAIN: GeneralArm<'static> = GeneralArm {
         // Rows of [R | p]: before the first joint, between the joints, after the last.
@@ -647,8 +647,8 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, I
         given: &[],
         reach: 3.0,
         charts: &[
+            Chart::new(4, false, 1, true, false, 6).repeated(2),
             Chart::new(4, false, 2, false, false, 12),
-            Chart::new(4, false, 1, true, false, 12),
         ],
     };
 
@@ -657,10 +657,10 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, I
     let wanted = Wanted::of(seed, unknowns)?;
     let mut search = Search::about(REACH, &WINDINGS, &wanted);
 
-    // theta4: a trigonometric polynomial of degree 12 in theta4 is 0
+    // theta3: a trigonometric polynomial of degree 12 in theta3 is 0
     // (the line of axis theta5 seen from both sides; theta6 and theta1 eliminated from its 14 power
-    // products, theta2 and theta3 by a resultant; they and theta5 follow from each root)
-    let mut candidates = search.general(THETA4, &CHAIN, &target, &[]);
+    // products, theta2 and theta4 by a resultant; they and theta5 follow from each root)
+    let mut candidates = search.general(THETA3, &CHAIN, &target, &[]);
     while let Some([theta1, theta2, theta3, theta4, theta5, theta6]) = search.next_candidate(&mut candidates) {
         let q = [theta1, theta2, theta3, theta4, theta5, theta6];
         let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));

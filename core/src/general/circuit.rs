@@ -1,6 +1,9 @@
 //! The closed chain of an arm and its target, read from one of its joints.
 
-use super::line::{Line, Motion};
+use super::line::{Line, Motion, PRODUCTS, Products, TURNED, UNTURNED};
+use super::pair::Pair;
+use super::posture::{Frames, Values};
+use super::wide::{Wide, cross, dot};
 use super::{Chart, JOINTS};
 use crate::Frame;
 
@@ -39,7 +42,7 @@ impl Circuit {
         circuit
     }
 
-    fn slides(&self, place: usize) -> bool {
+    pub(super) fn slides(&self, place: usize) -> bool {
         self.prismatic.get(place).copied().unwrap_or(false)
     }
 
@@ -48,7 +51,7 @@ impl Circuit {
     }
 
     /// The products of the first joint's axis as joints 1 and 2 see it, at three values of each.
-    pub(super) fn pair(&self) -> [[super::line::Products; 3]; 3] {
+    pub(super) fn pair(&self) -> [[Products; 3]; 3] {
         let [first, between, ..] = self.links;
         let axis = Line::AXIS.moved(&first.inverse());
         let between = between.inverse();
@@ -58,26 +61,48 @@ impl Circuit {
         })
     }
 
-    /// The products of the first joint's axis as joints 3, 4 and 5 carry it, at three values of each.
-    pub(super) fn triple(&self, offsets: &[f64; 3]) -> [[[super::line::Products; 3]; 3]; 3] {
-        let [.., near, third, fourth, fifth] = self.links;
-        let [at3, at4, at5] = *offsets;
-        let axis = Line::AXIS.moved(&fifth);
-        let mut products = [[[[0.0; super::line::PRODUCTS]; 3]; 3]; 3];
-        for (k, five) in quarters(self.slides(5), at5).iter().enumerate() {
-            let carried = axis.by(five).moved(&fourth);
-            for (j, four) in quarters(self.slides(4), at4).iter().enumerate() {
-                let carried = carried.by(four).moved(&third);
-                for (i, three) in quarters(self.slides(3), at3).iter().enumerate() {
-                    let place =
-                        products.get_mut(i).and_then(|list| list.get_mut(j)).and_then(|list| list.get_mut(k));
-                    if let Some(place) = place {
-                        *place = carried.by(three).moved(&near).products();
-                    }
-                }
+    /// The same for several candidates at once, and where the values are of use: not where there is but one equation for
+    /// joint 1. Joints 1 and 2 of the circuit must be revolute.
+    pub(super) fn rest_together(&self, pair: &Pair, known: &[Values; 3]) -> [Values; JOINTS] {
+        let [first, between, near, third, fourth, fifth] = &self.links;
+        let mut far = Frames::all(near);
+        for ((place, values), link) in (3..).zip(known).zip([third, fourth, fifth]) {
+            far = far.moved(values, self.slides(place)).compose(link);
+        }
+        let products = products_together(far.translation, far.z_axis());
+        let (mut ac, mut bc) = (Wide::ZERO, Wide::ZERO);
+        let ([at, cosines, sines], [aa, ab, bb]) = (&pair.parts, pair.normal);
+        for k in UNTURNED {
+            let c = products[k] - Wide::all(at[k]);
+            ac += c * cosines[k];
+            bc += c * sines[k];
+        }
+        let one = Values::towards(ac * bb - bc * ab, bc * aa - ac * ab);
+        let (cos, sin) = one.direction();
+        let (mut x, mut y) = (Wide::ZERO, Wide::ZERO);
+        let mut seen = [Wide::ZERO; PRODUCTS];
+        for (k, place) in seen.iter_mut().enumerate() {
+            *place = Wide::all(at[k]) + cos * cosines[k] + sin * sines[k];
+        }
+        let pick = |list: &[Wide; PRODUCTS], k: usize| list.get(k).copied().unwrap_or(Wide::ZERO);
+        for [k, l] in TURNED {
+            let (a, b, c, d) = (pick(&products, k), pick(&products, l), pick(&seen, k), pick(&seen, l));
+            x += a * c + b * d;
+            y += a * d - b * c;
+        }
+        let two = Values::towards(x, y);
+        // What is left is the inverse of the joint that was dropped: the first row of the chain's rotation says it.
+        let [row, ..] = Frames::all(first).moved(&one, false).compose(between).moved(&two, false).rotation;
+        let [[a, b, _], [d, e, _], [g, h, _]] = far.rotation;
+        let dropped = Values::towards(dot(row, [a, d, g]), dot(row, [b, e, h]));
+        let mut values = [Values::ZERO; JOINTS];
+        let [three, four, five] = *known;
+        for (joint, value) in self.order.iter().zip([dropped, one, two, three, four, five]) {
+            if let Some(place) = values.get_mut(*joint) {
+                *place = if self.backward { value.reversed() } else { value };
             }
         }
-        products
+        values
     }
 
     /// The values of the arm's joints where those of joints 3, 4 and 5 of the circuit, in its own sense, are known: two
@@ -118,8 +143,19 @@ impl Circuit {
     }
 }
 
+/// Power products of lines through points along directions.
+#[inline]
+fn products_together(p: [Wide; 3], l: [Wide; 3]) -> [Wide; PRODUCTS] {
+    let (pp, pl) = (dot(p, p), dot(p, l));
+    let [n1, n2, n3] = cross(p, l);
+    let [p1, p2, p3] = p;
+    let [l1, l2, l3] = l;
+    let last = |l: Wide, p: Wide| pp * l - (pl + pl) * p;
+    [p1, p2, p3, l1, l2, l3, pp, pl, n1, n2, n3, last(l1, p1), last(l2, p2), last(l3, p3)]
+}
+
 /// Three values of a joint, as far apart as can be.
-fn thirds(prismatic: bool) -> [Motion; 3] {
+pub(super) fn thirds(prismatic: bool) -> [Motion; 3] {
     if prismatic {
         return [0.0, 1.0, -1.0].map(|value| Motion::new(true, value));
     }
@@ -128,15 +164,6 @@ fn thirds(prismatic: bool) -> [Motion; 3] {
 
 /// The sine of a third of a turn.
 const SIN_THIRD: f64 = 0.866_025_403_784_438_6;
-
-/// An offset, a quarter turn from there, and half a turn from there; 0, 1 and -1 for a slide.
-fn quarters(prismatic: bool, offset: f64) -> [Motion; 3] {
-    if prismatic {
-        return [0.0, 1.0, -1.0].map(|value| Motion::new(true, value));
-    }
-    let (sin, cos) = libm::sincos(offset);
-    [Motion::turned(cos, sin), Motion::turned(-sin, cos), Motion::turned(-cos, -sin)]
-}
 
 /// The joint value at which six quantities, given at its three values of [`thirds`], are nearest to what is wanted.
 fn fit(prismatic: bool, [at0, at1, at2]: [&[f64; 6]; 3], wanted: &[f64; 6]) -> [Option<f64>; 2] {
@@ -185,7 +212,7 @@ fn fit(prismatic: bool, [at0, at1, at2]: [&[f64; 6]; 3], wanted: &[f64; 6]) -> [
 }
 
 /// Below this share of its size, the determinant of the normal equations says that there is but one equation.
-const ONE_ROW: f64 = 1e-14;
+pub(super) const ONE_ROW: f64 = 1e-14;
 
 /// The roots of a x² + b x + c, or the place of the vertex.
 fn roots_of_square(a: f64, b: f64, c: f64) -> [Option<f64>; 2] {

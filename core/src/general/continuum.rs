@@ -1,7 +1,7 @@
 //! Solutions that form a curve: the arm moves, its tip stays.
 
 use super::jacobian::pose_and_jacobian;
-use super::{FOUND, JOINTS, STEPS, SixJoints};
+use super::{FOUND, JOINTS, SixJoints};
 use crate::polish::polish;
 use crate::{Float, Frame};
 
@@ -23,6 +23,9 @@ const LONGEST: f64 = 0.25;
 
 /// How many steps along a curve are made.
 const MOST: usize = 80;
+
+/// Steps from a point beside a curve onto it at most: two or three where it is regular.
+const STEPS: usize = 40;
 
 /// The nearest point is found when the next step is shorter than this (rad, reaches).
 const ARRIVED: f64 = 1e-10;

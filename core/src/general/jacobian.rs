@@ -24,19 +24,21 @@ pub(super) fn pose_and_jacobian(arm: &SixJoints<'_>, q: &[f64; JOINTS]) -> (Fram
 }
 
 impl SixJoints<'_> {
-    /// Whether the determinant of the Jacobian is negative at joint values (rad, m). The last `behind` joints stand for what
-    /// a target leaves open. Three of them that turn are any rotation, whichever way their axes go round: that way, which
-    /// changes where two of them are parallel, is taken out.
-    pub(crate) fn is_turned_over(&self, q: &[f64; JOINTS], behind: usize) -> bool {
+    /// The determinant of the Jacobian at joint values (rad, m), lengths in reaches.
+    pub(crate) fn determinant(&self, q: &[f64; JOINTS]) -> f64 {
         let (_, columns) = pose_and_jacobian(self, q);
-        let mut matrix = columns
+        let mut rows = columns
             .map(|[vx, vy, vz, wx, wy, wz]| [vx / self.reach, vy / self.reach, vz / self.reach, wx, wy, wz]);
-        let mut sign = solve(&mut matrix);
+        solve(&mut rows)
+    }
+
+    /// Whether the last three joints, which stand for what a target leaves open, turn the determinant of the Jacobian over
+    /// at joint values (rad, m). They are any rotation, whichever way their axes go round: that way changes where two of
+    /// them are parallel.
+    pub(crate) fn is_turned_over(&self, q: &[f64; JOINTS]) -> bool {
+        let (_, columns) = pose_and_jacobian(self, q);
         let [.., a, b, c] = columns.map(|[_, _, _, wx, wy, wz]| [wx, wy, wz]);
-        if behind >= 3 {
-            sign *= determinant(&[a, b, c]);
-        }
-        sign < 0.0
+        determinant(&[a, b, c]) < 0.0
     }
 }
 

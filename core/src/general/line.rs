@@ -13,7 +13,9 @@ pub(super) const PRODUCTS: usize = 14;
 pub(super) type Products = [f64; PRODUCTS];
 
 /// Of the products, those that a turn about z leaves alone.
-const UNTURNED: [usize; 6] = [2, 5, 6, 7, 10, 13];
+pub(super) const UNTURNED: [usize; 6] = [2, 5, 6, 7, 10, 13];
+/// The others, in pairs that it turns.
+pub(super) const TURNED: [[usize; 2]; 4] = [[0, 1], [3, 4], [8, 9], [11, 12]];
 /// Of the products, those that a slide along z leaves alone.
 const UNSLID: [usize; 6] = [0, 1, 3, 4, 5, 10];
 
@@ -69,7 +71,7 @@ impl Line {
         }
         let (from, to) = (self.products(), other.products());
         let (mut sin, mut cos) = (0.0, 0.0);
-        for (x, y) in [(0, 1), (3, 4), (8, 9), (11, 12)] {
+        for [x, y] in TURNED {
             let pick = |list: &Products, index: usize| list.get(index).copied().unwrap_or(0.0);
             let (a, b, c, d) = (pick(&from, x), pick(&from, y), pick(&to, x), pick(&to, y));
             cos += a * c + b * d;

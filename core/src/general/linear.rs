@@ -108,20 +108,6 @@ pub(super) fn solve<const N: usize, const COLUMNS: usize>(a: &mut [[f64; COLUMNS
     determinant
 }
 
-/// The vector that is nearest to being sent to 0 by a matrix of rank 2: the greatest cross product of two rows.
-pub(super) fn null_vector(rows: &[[f64; 3]; 3]) -> [f64; 3] {
-    let [a, b, c] = *rows;
-    let mut best = [0.0; 3];
-    let mut greatest = -1.0;
-    for vector in [crate::frame::cross(a, b), crate::frame::cross(b, c), crate::frame::cross(c, a)] {
-        let size = crate::frame::dot(vector, vector);
-        if size > greatest {
-            (best, greatest) = (vector, size);
-        }
-    }
-    best
-}
-
 /// The determinant of three rows.
 pub(super) fn determinant(rows: &[[f64; 3]; 3]) -> f64 {
     let [a, b, c] = *rows;

@@ -1,16 +1,17 @@
-//! Places all over the joint space, for Newton's method to be started from.
+//! Places for Newton's method to be started from.
 
 use super::JOINTS;
+use super::wide::LANES;
 
 /// Where the equations say little, Newton's method is started from so many places and, for each solution that is known,
 /// [`PATIENCE`] more, until none of them has led to a new one; but not from more than [`MOST_STARTS`].
-pub(super) const STARTS: u32 = 48;
-pub(super) const PATIENCE: u32 = 8;
+pub(super) const STARTS: usize = 48;
+pub(super) const PATIENCE: usize = 8;
 const MOST_STARTS: u32 = 1024;
 
 /// Joint values (rad, reaches) that fill the joint space evenly: multiples of the powers of 1/g, with g^7 = g + 1, that
 /// generalises the golden section \[Roberts 2018, The unreasonable effectiveness of quasirandom sequences\].
-pub(super) fn starts() -> impl Iterator<Item = [f64; JOINTS]> {
+pub(super) fn everywhere() -> impl Iterator<Item = [f64; JOINTS]> {
     const INVERSE: f64 = 0.898_653_712_628_699_3;
     (1..=MOST_STARTS).map(|k| {
         let mut power = f64::from(k);
@@ -19,4 +20,26 @@ pub(super) fn starts() -> impl Iterator<Item = [f64; JOINTS]> {
             core::f64::consts::TAU * (power - libm::floor(power) - 0.5)
         })
     })
+}
+
+/// Some places.
+pub(super) struct Starts {
+    list: [[f64; JOINTS]; LANES],
+    len: usize,
+}
+
+impl Starts {
+    /// As many of them as are done at once.
+    pub(super) fn next(places: &mut impl Iterator<Item = [f64; JOINTS]>) -> Option<Self> {
+        let mut starts = Self { list: [[0.0; JOINTS]; LANES], len: 0 };
+        for (to, place) in starts.list.iter_mut().zip(places) {
+            *to = place;
+            starts.len += 1;
+        }
+        (starts.len > 0).then_some(starts)
+    }
+
+    pub(super) fn as_slice(&self) -> &[[f64; JOINTS]] {
+        self.list.get(..self.len).unwrap_or(&self.list)
+    }
 }

@@ -164,7 +164,7 @@ fn the_joints_that_a_pose_was_made_from_are_found() {
             let q = random.joints();
             let pose = fk(&arm, &q);
             let mut nearest = f64::INFINITY;
-            arm.solve(&pose, |solution| {
+            arm.solve(&pose, |solution, _| {
                 let (position, rotation) = crate::Target::Pose(pose).errors(&fk(&arm, solution));
                 let worst = (position / arm.reach).max(rotation);
                 assert!(worst <= 2e-10, "{name} at {q:?}: {worst:e}");
@@ -184,7 +184,7 @@ fn attainable_poses_of_the_lattice_have_solutions() {
             let q = [0; 6].map(|_| H * libm::floor(random.next(-1.0, 3.0)));
             let pose = fk(&arm, &q);
             let mut count = 0;
-            arm.solve(&pose, |_| count += 1);
+            arm.solve(&pose, |_, _| count += 1);
             assert!(count > 0, "{name}: none at {q:?}");
         }
     }
@@ -197,7 +197,7 @@ fn a_pose_out_of_reach_has_none() {
         let mut pose = fk(&arm, &[0.3, 0.4, 0.5, 0.6, 0.7, 0.8]);
         pose.translation = [2.0 * arm.reach, 0.0, 0.0];
         let mut count = 0;
-        arm.solve(&pose, |_| count += 1);
+        arm.solve(&pose, |_, _| count += 1);
         assert_eq!(count, 0, "{name}");
     }
 }

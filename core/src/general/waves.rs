@@ -1,5 +1,6 @@
 //! Real roots of a trigonometric polynomial.
 
+use super::roots::Roots;
 use crate::Float;
 
 /// The greatest degree.
@@ -8,24 +9,38 @@ pub(super) const MAX_DEGREE: usize = 12;
 pub(super) const MAX_ROOTS: usize = 2 * MAX_DEGREE;
 
 /// Cells of a turn to begin with.
-const CELLS: usize = 32;
+const CELLS: usize = 64;
+/// Half of them.
+const HALF: usize = CELLS / 2;
 /// Their width (rad).
 const WIDTH: f64 = core::f64::consts::TAU / CELLS as f64;
 /// Where the first one begins (rad): where no root is by reason of symmetry.
 const START: f64 = 0.123_4;
-/// Cosines and sines of the multiples of the width.
-const CIRCLE: [[f64; 2]; CELLS] = {
-    let mut circle = [[1.0, 0.0]; CELLS];
-    let mut k = 1;
-    while k < CELLS {
-        let [cos, sin] = circle[k - 1];
-        circle[k] = [cos * COS - sin * SIN, sin * COS + cos * SIN];
-        k += 1;
+/// Cosine and sine of the width, and of the middle of the first cell.
+const STEP: [f64; 2] = [0.995_184_726_672_196_9, 0.098_017_140_329_560_6];
+const FIRST: [f64; 2] = [0.985_160_896_723_357_9, 0.171_633_352_141_212_25];
+/// Cosines and sines of all multiples of the middles of half a turn of cells.
+const MIDDLES: [[[f64; HALF]; 2]; MAX_DEGREE + 1] = {
+    const fn product([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+        [a * c - b * d, a * d + b * c]
     }
-    circle
+    let mut middles = [[[0.0; HALF]; 2]; MAX_DEGREE + 1];
+    let mut middle = FIRST;
+    let mut cell = 0;
+    while cell < HALF {
+        let mut power = [1.0, 0.0];
+        let mut k = 0;
+        while k <= MAX_DEGREE {
+            middles[k][0][cell] = power[0];
+            middles[k][1][cell] = power[1];
+            power = product(power, middle);
+            k += 1;
+        }
+        middle = product(middle, STEP);
+        cell += 1;
+    }
+    middles
 };
-const COS: f64 = 0.980_785_280_403_230_4;
-const SIN: f64 = 0.195_090_322_016_128_28;
 /// An extremum this near to an edge (rad) may be on either side of it.
 const ON_THE_EDGE: f64 = 1e-9;
 /// Cells (rad, half their width) that are no longer divided: a cluster of roots is in there.
@@ -35,8 +50,10 @@ const SMALLEST: f64 = 1e-7;
 const NEARLY_MET: f64 = 1e-2;
 /// Cells that are looked at, at most: there are some hundred, unless the polynomial is nothing but noise.
 const MOST_CELLS: u32 = 2000;
-/// A Newton step this short (rad) is the last one: the next would be its square.
+/// A step this short (rad) is the last one: the next would be its square.
 const LAST_STEP: f64 = 1e-9;
+/// A step that leaves this (rad) is the last one, too.
+const LEFT: f64 = 1e-11;
 /// What is uncertain of a value, in multiples of the noise of the coefficients: they add up, and the noise is but that of
 /// the two that should vanish. On 120,000 random poses of six arms, 30 and 1000 give the same 847,601 solutions, 3 gives
 /// four fewer.
@@ -53,47 +70,6 @@ pub(crate) struct Waves {
     third: f64,
     /// Values that are smaller may be 0.
     uncertain: f64,
-}
-
-/// Roots of a polynomial, and candidates that may be.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Roots {
-    list: [f64; MAX_ROOTS],
-    len: usize,
-    /// Places where there should be none, but nearly are.
-    unlikely: [f64; MAX_ROOTS],
-    unlikely_len: usize,
-    /// Whether some are double, or more came than there is room for.
-    pub(crate) doubtful: bool,
-    /// How near the polynomial was seen to come to 0.
-    least: f64,
-    /// How many cells were looked at.
-    cells: u32,
-}
-
-impl Roots {
-    pub(crate) fn as_slice(&self) -> &[f64] {
-        self.list.get(..self.len).unwrap_or(&self.list)
-    }
-
-    pub(crate) fn unlikely(&self) -> &[f64] {
-        self.unlikely.get(..self.unlikely_len).unwrap_or(&self.unlikely)
-    }
-
-    fn push(&mut self, root: f64) {
-        match self.list.get_mut(self.len) {
-            Some(place) => {
-                *place = root;
-                self.len += 1;
-            }
-            None => self.doubtful = true,
-        }
-    }
-
-    fn perhaps(&mut self, root: f64) {
-        self.push(root);
-        self.doubtful = true;
-    }
 }
 
 impl Waves {
@@ -123,7 +99,7 @@ impl Waves {
 
     /// Value and two derivatives.
     fn at(&self, x: f64) -> [f64; 3] {
-        let (sin, cos) = libm::sincos(x);
+        let (sin, cos) = Float::sin_cos(x);
         let [mut p, mut d, mut e] = [[0.0; 2]; 3];
         let step = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a * cos - b * sin + c, a * sin + b * cos + d];
         for coefficient in self.coefficients.iter().take(self.degree + 1).rev() {
@@ -140,23 +116,28 @@ impl Waves {
 
     /// The same in the middle of every cell.
     fn at_cells(&self) -> [[f64; 3]; CELLS] {
-        let mut values = [[0.0; 3]; CELLS];
-        let (sin, cos) = libm::sincos(START + WIDTH / 2.0);
-        let (mut turned_cos, mut turned_sin) = (1.0, 0.0);
-        for (k, [a, b]) in self.coefficients.iter().take(self.degree + 1).enumerate() {
-            let (a, b) = (a * turned_cos - b * turned_sin, a * turned_sin + b * turned_cos);
+        // Half a turn further, odd multiples have the other sign.
+        let mut sums = [[[0.0; HALF]; 3]; 2];
+        let harmonics = self.coefficients.iter().zip(&MIDDLES).enumerate();
+        for (k, ([a, b], [cosines, sines])) in harmonics.take(self.degree + 1) {
             let factor = k as f64;
-            let mut at = 0;
-            for value in &mut values {
-                let [c, s] = CIRCLE[at % CELLS];
-                let (real, imaginary) = (a * c - b * s, factor * (a * s + b * c));
-                value[0] += real;
-                value[1] -= imaginary;
-                value[2] -= factor * factor * real;
-                at += k;
+            let [value, slope, bend] = &mut sums[k % 2];
+            for cell in 0..HALF {
+                let real = a * cosines[cell] - b * sines[cell];
+                let imaginary = factor * (a * sines[cell] + b * cosines[cell]);
+                value[cell] += real;
+                slope[cell] -= imaginary;
+                bend[cell] -= factor * factor * real;
             }
-            (turned_cos, turned_sin) =
-                (turned_cos * cos - turned_sin * sin, turned_sin * cos + turned_cos * sin);
+        }
+        let [even, odd] = &sums;
+        let mut values = [[0.0; 3]; CELLS];
+        let (near, far) = values.split_at_mut(HALF);
+        for (cell, (near, far)) in near.iter_mut().zip(far).enumerate() {
+            for n in 0..3 {
+                near[n] = even[n][cell] + odd[n][cell];
+                far[n] = even[n][cell] - odd[n][cell];
+            }
         }
         values
     }
@@ -173,18 +154,18 @@ impl Waves {
     /// is monotonous or has one extremum is searched, others are halved. Where the values are within what is uncertain
     /// of them, a candidate is given.
     pub(crate) fn roots(&self) -> Roots {
-        let mut roots = Roots {
-            list: [0.0; MAX_ROOTS],
-            len: 0,
-            unlikely: [0.0; MAX_ROOTS],
-            unlikely_len: 0,
-            doubtful: false,
-            least: f64::INFINITY,
-            cells: 0,
-        };
+        self.roots_within(core::f64::consts::PI)
+    }
+
+    /// The same for those that are at most this far (rad) from 0, and some others.
+    pub(super) fn roots_within(&self, most: f64) -> Roots {
+        let mut roots = Roots::NONE;
         let edge = |cell: usize| START + cell as f64 * WIDTH;
         for (cell, at_middle) in self.at_cells().into_iter().enumerate() {
-            self.search([edge(cell), edge(cell + 1)], at_middle, &mut roots);
+            let [low, high] = [edge(cell), edge(cell + 1)];
+            if libm::fabs(Float::wrap_angle(f64::midpoint(low, high))) <= most + WIDTH {
+                self.search([low, high], at_middle, &mut roots);
+            }
         }
         roots
     }
@@ -193,7 +174,7 @@ impl Waves {
     fn search(&self, [low, high]: [f64; 2], at_middle: [f64; 3], roots: &mut Roots) {
         roots.cells += 1;
         if roots.cells > MOST_CELLS {
-            roots.doubtful = true;
+            roots.overflown = true;
         } else if !self.cell([low, high], at_middle, roots) {
             let middle = f64::midpoint(low, high);
             self.search([low, middle], self.at(f64::midpoint(low, middle)), roots);
@@ -218,7 +199,7 @@ impl Waves {
             return true;
         }
         if size + change <= 2.0 * self.uncertain || half < SMALLEST {
-            roots.perhaps(middle);
+            roots.perhaps(middle, [low, high]);
             return true;
         }
         if libm::fabs(e) > 2.0 * rest {
@@ -264,15 +245,14 @@ impl Waves {
         }
         let extremum = Float::min(Float::max(extremum, low), high);
         if libm::fabs(at_extremum) <= self.uncertain {
-            roots.perhaps(extremum);
+            let around = libm::sqrt(2.0 * libm::fabs(self.uncertain / bend));
+            roots.perhaps(extremum, [extremum - around, extremum + around]);
         }
         // The distance of the two roots from the extremum, real or imaginary.
         let distance = libm::sqrt(2.0 * libm::fabs(at_extremum / bend));
         if (at_extremum > 0.0) == (bend > 0.0) {
-            if let Some(place) = roots.unlikely.get_mut(roots.unlikely_len).filter(|_| distance < NEARLY_MET)
-            {
-                *place = extremum;
-                roots.unlikely_len += 1;
+            if distance < NEARLY_MET {
+                roots.unlikely.push(extremum);
             }
             return;
         }
@@ -294,17 +274,22 @@ impl Waves {
         let rising = at_high > 0.0;
         let mut x = if guess > low && guess < high { guess } else { f64::midpoint(low, high) };
         for _ in 0..60 {
-            let [f, d, _] = self.at(x);
+            let [f, d, e] = self.at(x);
             if (f > 0.0) == rising {
                 high = x;
             } else {
                 low = x;
             }
-            let newton = x - f / d;
-            let next = if newton > low && newton < high { newton } else { f64::midpoint(low, high) };
+            // Halley's method; what it leaves of an error is its third power times a bound.
+            let newton = f / d;
+            let bend = e / (2.0 * d);
+            let halley = x - newton / (1.0 - newton * bend);
+            let inside = halley > low && halley < high;
+            let next = if inside { halley } else { f64::midpoint(low, high) };
             let step = libm::fabs(next - x);
             x = next;
-            if step < LAST_STEP {
+            let left = (bend * bend + libm::fabs(self.third / (6.0 * d))) * step * step * step;
+            if step < LAST_STEP || (inside && left < LEFT) {
                 break;
             }
         }
@@ -342,7 +327,7 @@ mod tests {
             &[1.0, 1.0001, 2.0, 5.0],
         ] {
             let roots = with_roots(list).roots();
-            let mut found = roots.as_slice().to_vec();
+            let mut found = roots.certain.as_slice().to_vec();
             for root in &mut found {
                 *root = root.rem_euclid(core::f64::consts::TAU);
             }
@@ -361,7 +346,8 @@ mod tests {
             for list in [[edge, edge, edge + 1.0, edge + 2.0], [edge, edge + 0.5, edge + 1.0, edge + 2.0]] {
                 let roots = with_roots(&list).roots();
                 let near = |root: &f64| libm::fabs(libm::sin((root - edge) / 2.0)) < 1e-6;
-                assert!(roots.as_slice().iter().any(near), "{edge}: {:?}", roots.as_slice());
+                let mut all = roots.certain.as_slice().iter().chain(roots.possible.as_slice());
+                assert!(all.any(near), "{edge}: {roots:?}");
             }
         }
     }
@@ -371,16 +357,17 @@ mod tests {
         // Between such roots the values are below 1e-12.
         let list = [1.0, 1.004, 1.0041, 1.008, 2.0, 4.0];
         let roots = with_roots(&list).roots();
-        assert!(roots.doubtful && roots.as_slice().len() >= list.len());
+        assert_eq!(roots.clusters().len(), 1);
         for wanted in list {
-            assert!(roots.as_slice().iter().any(|root| (root - wanted).abs() < 1e-3), "{wanted}");
+            let mut all = roots.certain.as_slice().iter().chain(roots.possible.as_slice());
+            assert!(all.any(|root| (root - wanted).abs() < 1e-3), "{wanted}");
         }
     }
 
     #[test]
     fn a_double_root_is_a_candidate() {
         let roots = with_roots(&[1.0, 1.0, 3.0, 4.0]).roots();
-        assert!(roots.doubtful);
-        assert!(roots.as_slice().iter().any(|root| (root - 1.0).abs() < 1e-6));
+        assert_eq!(roots.clusters().len(), 1);
+        assert!(roots.possible.as_slice().iter().any(|root| (root - 1.0).abs() < 1e-6));
     }
 }

@@ -16,25 +16,25 @@ const SAME_STRETCH: f64 = 0.3;
 
 /// Values of six joints each.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Candidates<S = f64> {
+pub struct Candidates {
     step: Step,
-    list: [Candidate<S>; MAX_CANDIDATES],
+    list: [Candidate; MAX_CANDIDATES],
     len: usize,
     next: usize,
 }
 
 /// Values of six joints, and which of them is free.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Candidate<S> {
-    q: [S; JOINTS],
+struct Candidate {
+    q: [f64; JOINTS],
     free: Option<usize>,
     /// The sign of the determinant of the Jacobian, as a branch has it.
     minus: bool,
 }
 
-impl<S: Float> Candidates<S> {
+impl Candidates {
     const fn none(step: Step) -> Self {
-        let nothing = Candidate { q: [S::ZERO; JOINTS], free: None, minus: false };
+        let nothing = Candidate { q: [0.0; JOINTS], free: None, minus: false };
         Self { step, list: [nothing; MAX_CANDIDATES], len: 0, next: 0 }
     }
 
@@ -48,11 +48,15 @@ impl<S: Float> Candidates<S> {
         self.len == 0
     }
 
-    fn as_slice(&self) -> &[Candidate<S>] {
+    fn as_slice(&self) -> &[Candidate] {
         self.list.get(..self.len).unwrap_or(&self.list)
     }
 
-    fn push(&mut self, candidate: Candidate<S>) {
+    fn as_mut_slice(&mut self) -> &mut [Candidate] {
+        self.list.get_mut(..self.len).unwrap_or_default()
+    }
+
+    fn push(&mut self, candidate: Candidate) {
         if let Some(place) = self.list.get_mut(self.len) {
             *place = candidate;
             self.len += 1;
@@ -71,7 +75,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         arm: &GeneralArm<'_>,
         target: &Target<S>,
         given: &[S],
-    ) -> Candidates<S> {
+    ) -> Candidates {
         let _ = self.begin(step);
         let mut candidates = Candidates::none(step);
         let mut values = [0.0; crate::MAX_JOINTS];
@@ -88,22 +92,22 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         // Angles are compared in rad, slides in m.
         let scale = if arm.reach < 1.0 { arm.reach } else { 1.0 };
         let behind = JOINTS.saturating_sub(step.rows.count_ones() as usize);
-        let mut found = Candidates::none(step);
-        let outcome = six.solve(&pose, |solution| {
-            let crowded = found.len >= MAX_SOLUTIONS && six.is_singular(solution);
+        let outcome = six.solve(&pose, |solution, determinant| {
+            let crowded = candidates.len >= MAX_SOLUTIONS && six.is_singular(solution);
             let near = scale * if crowded { SAME_STRETCH } else { SAME };
-            if !found.as_slice().iter().any(|other| same(&other.q, solution, six.prismatic, near)) {
-                found.push(Candidate { q: *solution, free: None, minus: false });
+            if !candidates.as_slice().iter().any(|other| same(&other.q, solution, six.prismatic, near)) {
+                candidates.push(Candidate { q: *solution, free: None, minus: determinant < 0.0 });
             }
         });
-        if outcome.doubted || found.len > MAX_SOLUTIONS {
-            found = self.without_curves(&six, &pose, &found, scale);
+        if outcome.doubted || candidates.len > MAX_SOLUTIONS {
+            candidates = self.without_curves(&six, &pose, &candidates, scale);
         }
-        for candidate in found.as_slice() {
-            let minus = step.signed && six.is_turned_over(&candidate.q, behind);
-            candidates.push(Candidate { q: candidate.q.map(S::from_f64), free: candidate.free, minus });
+        if behind >= 3 {
+            for candidate in candidates.as_mut_slice() {
+                candidate.minus ^= six.is_turned_over(&candidate.q);
+            }
         }
-        if found.is_empty() {
+        if candidates.is_empty() {
             let excess = S::from_f64(outcome.miss);
             self.fail_step(step, excess, IkError::Unreachable { step, excess });
         }
@@ -117,9 +121,9 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         &self,
         six: &SixJoints<'_>,
         pose: &Frame,
-        found: &Candidates<f64>,
+        found: &Candidates,
         scale: f64,
-    ) -> Candidates<f64> {
+    ) -> Candidates {
         let (mut wanted, mut aside) = ([0.0; JOINTS], 0.0);
         if let Some((unknowns, away)) = self.wanted {
             wanted = [f64::NAN; JOINTS];
@@ -132,9 +136,9 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             let candidate = point.map_or(*candidate, |point| Candidate {
                 q: point.q,
                 free: Some(point.joint),
-                ..*candidate
+                minus: six.determinant(&point.q) < 0.0,
             });
-            let known = |other: &Candidate<f64>| same(&other.q, &candidate.q, six.prismatic, SAME * scale);
+            let known = |other: &Candidate| same(&other.q, &candidate.q, six.prismatic, SAME * scale);
             if !list.as_slice().iter().any(known) {
                 list.push(candidate);
             }
@@ -144,12 +148,12 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
 
     /// The next candidate to go on with.
     #[inline]
-    pub fn next_candidate(&mut self, candidates: &mut Candidates<S>) -> Option<[S; JOINTS]> {
+    pub fn next_candidate(&mut self, candidates: &mut Candidates) -> Option<[S; JOINTS]> {
         let candidate = *candidates.as_slice().get(candidates.next)?;
         candidates.next += 1;
         let step = candidates.step;
         self.free_steps &= !step.bit();
-        self.branch = if candidate.minus { step.bit() } else { 0 };
+        self.branch = if candidate.minus && step.signed { step.bit() } else { 0 };
         // The joints to be found are the step's rows, base to tip; behind them are those that only the chain has.
         let mut rows = (0..u32::BITS).filter(|row| step.rows & (1 << row) != 0);
         let last = rows.clone().next_back();
@@ -161,6 +165,6 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
                 *slot = row as u8;
             }
         }
-        Some(candidate.q)
+        Some(candidate.q.map(S::from_f64))
     }
 }

@@ -84,16 +84,16 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let waves = Waves::quadratic([[c, 0.0], [a1, -b1], [a2, -b2]]);
         let found = waves.roots();
         let mut roots = QuarticRoots { bit: step.sign_bit(), ..QuarticRoots::of(Roots::NONE) };
-        for root in found.as_slice().iter().chain(found.unlikely()) {
-            let (root, slope) = waves.refined(*root);
+        for root in found.candidates().chain(found.unlikely().iter().copied()) {
+            let (root, slope) = waves.refined(root);
             roots.push(root, slope < 0.0);
         }
-        let near = |(place, root): (usize, &f64)| {
-            let others = found.as_slice().iter().skip(place + 1);
-            others.into_iter().any(|other| libm::fabs(libm::sin((root - other) / 2.0)) < APART)
+        let near = |(place, root): (usize, f64)| {
+            let mut others = found.candidates().skip(place + 1);
+            others.any(|other| libm::fabs(libm::sin((root - other) / 2.0)) < APART)
         };
-        self.doubtful |= found.doubtful || !found.unlikely().is_empty();
-        self.doubtful |= found.as_slice().iter().enumerate().any(near);
+        self.doubtful |= found.is_doubtful() || !found.unlikely().is_empty();
+        self.doubtful |= found.candidates().enumerate().any(near);
         if roots.is_empty() {
             let excess = S::from_f64(waves.miss(&found));
             let _ = self.fail_step(step, excess, IkError::Unreachable { step, excess });

@@ -125,7 +125,7 @@ fn score(chart: Chart, trials: &[Trial<'_>]) -> Option<f64> {
     let mut badness = f64::from(chart.degree) * WORK * trials.len() as f64;
     for Trial { six, q, pose } in trials {
         let mut found = false;
-        let outcome = six.solve_in(chart, pose, &mut |solution| {
+        let outcome = six.solve_in(chart, pose, &mut |solution, _| {
             let apart = |((a, b), slides): ((&f64, &f64), &bool)| {
                 let apart = a - b;
                 let turn = std::f64::consts::TAU;

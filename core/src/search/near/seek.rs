@@ -103,7 +103,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
             rotation: target.rotation.map(|row| row.map(Float::to_f64)),
             translation: target.translation.map(Float::to_f64),
         };
-        let (_, sure) = six.solve_plainly(&pose, |values| {
+        let (_, sure) = six.solve_plainly(&pose, |values, determinant| {
             let tip = six.tip(values);
             let mut q = [S::ZERO; N];
             for (joint, [factors @ .., constant]) in self.unknowns.iter().zip(joints) {
@@ -117,8 +117,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
                 position_error: S::from_f64(norm(sub(tip.translation, pose.translation))),
                 rotation_error: S::from_f64(crate::rotation_error(&pose.rotation, &tip.rotation)),
             };
-            let negative = six.is_turned_over(values, 0);
-            seek.add(self.labels.solution(&found, negative), self.search.windings);
+            seek.add(self.labels.solution(&found, determinant < 0.0), self.search.windings);
         });
         seek.complete = sure && !seek.found.is_empty();
         seek
