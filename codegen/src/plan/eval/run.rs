@@ -172,7 +172,7 @@ impl<S: Float> Searching<'_, S> {
         })
     }
 
-    fn next_candidate(&mut self, candidates: &mut Candidates<S>) -> Option<[S; 6]> {
+    fn next_candidate(&mut self, candidates: &mut Candidates) -> Option<[S; 6]> {
         match self {
             Self::Exact(search) => search.next_candidate(candidates),
             Self::Near(_) | Self::Done(_) => None,
