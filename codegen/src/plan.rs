@@ -190,7 +190,7 @@ impl Function {
     }
 
     /// Whether a stage finds all joints at once.
-    fn searches(&self, stage: usize) -> bool {
+    pub fn searches(&self, stage: usize) -> bool {
         let steps = match self.steps.as_slice() {
             [Step::Near { otherwise, .. }] => otherwise,
             steps => steps,

@@ -64,6 +64,9 @@ pub enum IkError<S = f64> {
     Length(LengthError),
 }
 
+/// Below this, two decimals say nothing.
+const SMALL_PERCENT: f64 = 0.05;
+
 impl<S: Float> fmt::Display for IkError<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -74,7 +77,12 @@ impl<S: Float> fmt::Display for IkError<S> {
                 write!(f, "out of reach: {step} lacks {excess:.6} m")
             }
             Self::Unreachable { step, excess } => {
-                write!(f, "out of reach: {step} exceeds its domain by {:.6} %", excess.to_f64() * 100.0)
+                let percent = excess.to_f64() * 100.0;
+                if percent < SMALL_PERCENT {
+                    write!(f, "out of reach: {step} exceeds its domain by {percent:.1e} %")
+                } else {
+                    write!(f, "out of reach: {step} exceeds its domain by {percent:.2} %")
+                }
             }
             Self::OutsideLimits { joint, value, min, max } => {
                 write!(

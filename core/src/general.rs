@@ -41,7 +41,7 @@ use known::Known;
 pub(crate) use known::same;
 use pair::Pair;
 use resultant::Resultant;
-use starts::{PATIENCE, STARTS, Starts, everywhere};
+use starts::{ALONE, PATIENCE, STARTS, Starts, everywhere};
 use wide::{LANES, Wide};
 
 /// How many joints the caller leaves to be found.
@@ -162,7 +162,8 @@ impl SixJoints<'_> {
         // Newton's method needs no polynomial.
         let mut everywhere = everywhere();
         let mut idle = 0;
-        while idle <= STARTS + PATIENCE * known.len()
+        let times = if self.charts.is_empty() { ALONE } else { 1 };
+        while idle <= times * (STARTS + PATIENCE * known.len())
             && let Some(starts) = Starts::next(&mut everywhere)
         {
             idle += starts.as_slice().len();

@@ -11,9 +11,10 @@ use crate::{Branch, Float, MAX_SOLUTIONS, Rules, Winding};
 pub struct Solution<const N: usize, S = f64> {
     /// Joint values (rad or m).
     pub q: [S; N],
-    /// How far `fk(q)` is from the target in position (m), in what the target prescribes of it.
+    /// How far `fk(q)` is from the target in position (m), in what the target prescribes of it; of a nearly special arm, how far
+    /// at most.
     pub position_error: S,
-    /// How far `fk(q)` is from the target in orientation (rad), in what the target prescribes of it.
+    /// The same in orientation (rad).
     pub rotation_error: S,
     /// Where the target leaves a joint free, that joint's row in the table (0-based); `q` holds one of its values then.
     pub free: Option<usize>,

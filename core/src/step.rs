@@ -73,14 +73,24 @@ impl Step {
 }
 
 /// `step 2 (theta2 + theta3)`, counted from 1.
+/// A sum of more joints than this is no unknown of a step.
+const MOST_AS_ONE: u32 = 3;
+
 impl fmt::Display for Step {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "step {} (", u32::from(self.index) + 1)?;
-        let symbol = if self.prismatic { "d" } else { "theta" };
+        // More than that turn as one nowhere: they are found at once.
+        let at_once = self.rows.count_ones() > MOST_AS_ONE;
+        let (symbol, between) = match (at_once, self.prismatic) {
+            (true, _) => ("", ", "),
+            (false, true) => ("d", " + "),
+            (false, false) => ("theta", " + "),
+        };
+        f.write_str(if at_once { "joints " } else { "" })?;
         let mut separator = "";
         for row in (0..u32::BITS).filter(|row| self.rows & (1 << row) != 0) {
             write!(f, "{separator}{symbol}{}", row + 1)?;
-            separator = " + ";
+            separator = between;
         }
         f.write_str(")")
     }

@@ -3,7 +3,7 @@
 use crate::robot::Robot;
 use crate::text::{clean, columns};
 use dh_codegen::model::Target;
-use dh_codegen::plan::{Equation, Function, FunctionKind, Step};
+use dh_codegen::plan::{Equation, Function, FunctionKind, GeneralChain, Step};
 use dh_codegen::verify::FunctionReport;
 use dh_core::{FULL_POSE, MAX_SOLUTIONS};
 
@@ -42,7 +42,8 @@ fn problem(robot: &Robot, index: Option<usize>, name: &str) -> String {
         })
         .collect();
     let given = given(robot, function);
-    let way = format!("{}, up to {} solutions", way(function), branches(function));
+    let most = branches(function);
+    let way = format!("{}, up to {most} solution{}", way(function), if most == 1 { "" } else { "s" });
     let tried: Vec<String> = left_out(robot, index).map(|why| format!("    before that, {why}\n")).collect();
     let tried = tried.concat();
     format!("{title}: {given}{way}\n{tried}    {}\n{}", why(robot, function), columns("    ", &rows))
@@ -62,6 +63,7 @@ fn way(function: &Function) -> &'static str {
         return "as the arm that was meant, corrected";
     }
     match general(&function.steps) {
+        Some(chain) if chain.charts.is_empty() => "by Newton's method from many places",
         Some(_) => "by a polynomial in one joint",
         None => "in closed form",
     }
@@ -118,10 +120,10 @@ fn why(robot: &Robot, function: &Function) -> String {
     }
 }
 
-/// The chain of a function that finds all joints at once, with the degree of its polynomial.
-fn general(steps: &[Step]) -> Option<u8> {
+/// The chain of a function that finds all joints at once.
+fn general(steps: &[Step]) -> Option<&GeneralChain> {
     steps.iter().find_map(|step| match step {
-        Step::General { chain, .. } => chain.charts.first().map(dh_core::Chart::degree_of_turn),
+        Step::General { chain, .. } => Some(chain),
         Step::Solve { body, .. } => general(body),
         Step::Near { .. } | Step::Let { .. } | Step::SinCos { .. } | Step::Accept { .. } => None,
     })
@@ -180,8 +182,9 @@ fn roots(steps: &[Step]) -> Vec<usize> {
             }
             Step::General { chain, body, .. } => {
                 // A trigonometric polynomial has twice as many roots as its degree; some need not be those of the arm.
-                let degree = chain.charts.first().map_or(0, |chart| usize::from(chart.degree_of_turn()));
-                found.push((2 * degree).min(MAX_SOLUTIONS));
+                let most =
+                    chain.charts.first().map_or(MAX_SOLUTIONS, |c| 2 * usize::from(c.degree_of_turn()));
+                found.push(most.min(MAX_SOLUTIONS));
                 found.extend(roots(body));
             }
             Step::Near { body, otherwise, .. } => {
@@ -194,10 +197,10 @@ fn roots(steps: &[Step]) -> Vec<usize> {
     found
 }
 
-/// How many branches the solution has.
+/// How many branches the solution has. A nearly special arm may have more than the one that was meant, near its singular poses.
 fn branches(function: &Function) -> usize {
     match function.steps.as_slice() {
-        [Step::Near { body, .. }] => roots(body),
+        [Step::Near { otherwise, .. }] => roots(otherwise),
         steps => roots(steps),
     }
     .into_iter()

@@ -5,7 +5,7 @@ use crate::json::Json;
 use crate::rule;
 use crate::units::{Units, fixed};
 use dh_codegen::model::{Model, Problem};
-use dh_codegen::plan::{Function, Measure, Step as PlanStep};
+use dh_codegen::plan::{Function, Measure};
 use dh_core::{IkError, Reachable, Step};
 
 /// An error of a problem (the full pose where there is none) that a function solves.
@@ -124,10 +124,10 @@ fn unreachable(model: &Model, function: &Function, step: Step, excess: f64) -> R
         let unit = units.length_name();
         (excess, unit, format!("{} {unit} are missing", units.show_length(excess)))
     } else {
-        (excess, "ratio", format!("its argument exceeds the domain by {:.6} %", excess * 100.0))
+        (excess, "ratio", format!("its argument exceeds the domain by {}", percent(excess * 100.0)))
     };
     // All joints at once: what is said of a polynomial's value is no excess.
-    let at_once = function.steps.iter().any(|step| matches!(step, PlanStep::General { .. }));
+    let at_once = function.searches(usize::from(step.index));
     if at_once {
         let message = format!("out of reach: no value of {unknown} leads to the target");
         let equation = stage.map_or("", |stage| stage.equation.as_str());
@@ -155,4 +155,9 @@ fn unreachable(model: &Model, function: &Function, step: Step, excess: f64) -> R
     } else {
         refusal.help(format!("the equation of this step is {equation}"))
     }
+}
+
+/// With as many digits as say something.
+fn percent(percent: f64) -> String {
+    if percent < 0.05 { format!("{percent:.1e} %") } else { format!("{percent:.2} %") }
 }

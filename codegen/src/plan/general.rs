@@ -52,10 +52,10 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
     let general = general::chain(model, problem)?;
     let chain = chain(model, &general);
     let (charts, badness) = charts::choose(&chain);
-    let Some(best) = charts.first() else {
+    if charts.is_empty() && !charts::is_regular(&chain) {
         return Err(Refusal::NoClosedForm);
-    };
-    let stage = stage(&general, *best);
+    }
+    let stage = stage(&general, charts.first());
     let mut values: Vec<String> = target_inputs(problem.target).iter().map(|&name| name.to_owned()).collect();
     let first_given = values.len();
     values.extend(problem.free.iter().map(|joint| {
@@ -117,11 +117,12 @@ pub(super) fn rotated(function: &Function) -> Option<Function> {
         return None;
     }
     chain.charts.rotate_left(1);
-    let (degree, unknown) = chain.charts.first().map(|chart| (chart.degree_of_turn(), chart.unknown()))?;
+    let chart = *chain.charts.first()?;
     let [Step::General { roots, .. }] = function.steps.as_slice() else { return None };
-    let unknown = roots.get(unknown).and_then(|root| function.values.get(root.0))?;
-    let equation = equation(degree, unknown);
-    function.stages.first_mut()?.equation = equation;
+    let name = |place: usize| roots.get(place).and_then(|root| function.values.get(root.0));
+    let (unknown, line) = (name(chart.unknown())?, name(usize::from(chart.dropped))?);
+    let equation = equation(chart.degree_of_turn(), unknown);
+    function.stages.first_mut()?.equation = format!("{equation}, from the line of axis {line}");
     Some(function)
 }
 
@@ -185,28 +186,37 @@ fn sum(form: &Linear, value: impl Fn(usize) -> Scalar) -> Scalar {
 }
 
 /// What is said of the step.
-fn stage(general: &General, chart: Chart) -> Stage {
+fn stage(general: &General, chart: Option<&Chart>) -> Stage {
     let free: Vec<&GeneralJoint> = general.joints.iter().filter(|joint| joint.given.is_none()).collect();
-    let mut names = Vec::new();
     let mut behind = 0;
-    for joint in &free {
-        names.push(name(joint, &mut behind));
-    }
+    let names: Vec<String> = free.iter().map(|joint| name(joint, &mut behind)).collect();
     let named = |place: usize| names.get(place).cloned().unwrap_or_default();
     let rows = free.iter().filter_map(|joint| joint.row);
-    let unknown = named(chart.unknown());
-    let [first, second] = chart.eliminated().map(named);
-    let [third, fourth] = chart.resolved().map(named);
+    let (unknown, equation, origin) = match chart {
+        Some(chart) => {
+            let unknown = named(chart.unknown());
+            let [first, second] = chart.eliminated().map(named);
+            let [third, fourth] = chart.resolved().map(named);
+            let line = named(usize::from(chart.dropped));
+            let origin = format!(
+                "the line of axis {line} seen from both sides; {first} and {second} eliminated from its 14 power products, {third} and {fourth} by a resultant; they and {line} follow from each root"
+            );
+            let equation = equation(chart.degree_of_turn(), &unknown);
+            (unknown, equation, origin)
+        }
+        None => (
+            names.join(", "),
+            "the tool frame is the target's".to_owned(),
+            "by Newton's method from places all over the joint space: no polynomial in one joint was found"
+                .to_owned(),
+        ),
+    };
     Stage {
         rows: rows.fold(0, |mask, row| mask | 1_u32.checked_shl(row as u32).unwrap_or(0)),
         measure: Measure::Ratio,
-        equation: equation(chart.degree_of_turn(), &unknown),
+        equation,
         definitions: Vec::new(),
-        origin: format!(
-            "the line of axis {} seen from both sides; {first} and {second} eliminated from its 14 power products, {third} and {fourth} by a resultant; they and {} follow from each root",
-            named(usize::from(chart.dropped)),
-            named(usize::from(chart.dropped)),
-        ),
+        origin,
         plus: None,
         unknown,
     }

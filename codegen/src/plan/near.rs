@@ -69,7 +69,7 @@ fn function(
     let mut function = inverse::function(model, index, problem, derivation, true, constants);
     let gains = gains::of(nominal, &function, &constants.values(), deviation)?;
     let nearly = Box::new(Nearly {
-        joints: joints(model, problem, &unknowns)?,
+        joints: joints(model, problem),
         unknowns: unknowns.try_into().ok()?,
         gains: gains.concat(),
         deviation,
@@ -102,46 +102,34 @@ pub struct Nearly {
     pub gains: Vec<f64>,
     /// See [`dh_core::Nearly::deviation`].
     pub deviation: f64,
-    /// See [`dh_core::Exact::joints`].
-    pub joints: Forms,
+    /// See [`dh_core::Exact::joints`]; where joints are given, there is no such chain.
+    pub joints: Option<Forms>,
 }
 
 impl Nearly {
     /// As the numeric kernel takes it, with the arm as it is.
     pub fn of<'a>(&'a self, chain: &'a GeneralChain) -> dh_core::Nearly<'a> {
-        let exact = dh_core::Exact { arm: chain.arm(), joints: self.joints };
         dh_core::Nearly {
             unknowns: self.unknowns,
             gains: &self.gains,
             deviation: self.deviation,
-            chain: chain.given.is_empty().then_some(exact),
+            chain: self.joints.map(|joints| dh_core::Exact { arm: chain.arm(), joints }),
         }
     }
 }
 
-/// The joints that are found as forms in those of the chain: a factor each and a constant.
-fn joints(model: &Model, problem: &Problem, unknowns: &[usize]) -> Option<Forms> {
+/// The joints of an arm of six as forms in those of the chain: a factor each and a constant.
+fn joints(model: &Model, problem: &Problem) -> Option<Forms> {
     let chain = inverse_kinematics::general::chain(model, problem).ok()?;
-    let found: Vec<usize> = (0..chain.joints.len()).filter(|place| is_found(&chain, *place)).collect();
-    let forms: Option<Vec<[f64; 7]>> = unknowns
-        .iter()
-        .map(|joint| {
-            let q = chain.q.get(*joint)?;
-            let mut form = [0.0; 7];
-            for (place, factor) in &q.terms {
-                // What is given is not known before the arm is asked.
-                let at = found.iter().position(|other| other == place);
-                *form.get_mut(at.unwrap_or(6))? += factor;
-            }
-            form[6] = q.constant;
-            Some(form)
-        })
-        .collect();
-    forms?.try_into().ok()
-}
-
-fn is_found(chain: &inverse_kinematics::general::General, place: usize) -> bool {
-    chain.joints.get(place).is_some_and(|joint| joint.given.is_none())
+    let forms = chain.q.iter().map(|q| {
+        let mut form = [0.0; 7];
+        for (place, factor) in &q.terms {
+            *form.get_mut(*place)? += factor;
+        }
+        form[6] = q.constant;
+        Some(form)
+    });
+    forms.collect::<Option<Vec<_>>>()?.try_into().ok()
 }
 
 /// How far apart the tool frames of two arms are at the same joint values (reaches, rad), at most.

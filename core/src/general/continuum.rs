@@ -69,7 +69,7 @@ impl SixJoints<'_> {
     }
 
     /// Whether joints may move by themselves there (rad, m), to first order.
-    pub(crate) fn is_singular(&self, q: &[f64; JOINTS]) -> bool {
+    pub fn is_singular(&self, q: &[f64; JOINTS]) -> bool {
         let mut q = *q;
         self.each_slide(&mut q, |value| value / self.reach);
         null_space(&pose_and_jacobian(&self.scaled(), &q).1, SINGULAR).count > 0

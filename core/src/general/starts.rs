@@ -7,7 +7,9 @@ use super::wide::LANES;
 /// [`PATIENCE`] more, until none of them has led to a new one; but not from more than [`MOST_STARTS`].
 pub(super) const STARTS: usize = 48;
 pub(super) const PATIENCE: usize = 8;
-const MOST_STARTS: u32 = 1024;
+const MOST_STARTS: u32 = 2048;
+/// So many times as many, where there is nothing else.
+pub(super) const ALONE: usize = 8;
 
 /// Joint values (rad, reaches) that fill the joint space evenly: multiples of the powers of 1/g, with g^7 = g + 1, that
 /// generalises the golden section \[Roberts 2018, The unreasonable effectiveness of quasirandom sequences\].

@@ -131,7 +131,7 @@ impl<'a> Printer<'a> {
             match step {
                 Step::General { chain, .. } => self.chain(text, &locals.chain, chain),
                 Step::Near { nearly, otherwise, .. } => {
-                    self.nearly(text, locals, nearly, otherwise);
+                    self.nearly(text, locals, nearly);
                     self.arms(text, otherwise, locals);
                 }
                 _ => {}
@@ -140,7 +140,7 @@ impl<'a> Printer<'a> {
     }
 
     /// What a nearly special arm is to the one that was meant.
-    fn nearly(&self, text: &mut Text, locals: &Locals, nearly: &Nearly, otherwise: &[Step]) {
+    fn nearly(&self, text: &mut Text, locals: &Locals, nearly: &Nearly) {
         let (name, chain) = (&locals.nearly, &locals.chain);
         let ty = self.paths.runtime("Nearly");
         text.line("#[rustfmt::skip]");
@@ -160,16 +160,12 @@ impl<'a> Printer<'a> {
         let deviation = number(nearly.deviation, super::ScalarType::F64, &self.paths);
         text.line(format!("    deviation: {deviation},"));
         let [some, none] = ["Some", "None"].map(|name| self.paths.prelude(name));
-        let given =
-            otherwise.iter().any(|step| matches!(step, Step::General { given, .. } if !given.is_empty()));
-        if given {
-            text.line(format!("    chain: {none},"));
-        } else {
+        if let Some(joints) = &nearly.joints {
             text.line(format!("    chain: {some}({} {{", self.paths.runtime("Exact")));
             text.line(format!("        arm: {chain},"));
             text.line("        // Each joint as a form in those of the chain: six factors and a constant.");
             text.line("        joints: [");
-            for form in &nearly.joints {
+            for form in joints {
                 let form = form.iter().map(|x| {
                     let size = number(x.abs(), super::ScalarType::F64, &self.paths);
                     if *x < 0.0 { format!("-{size}") } else { size }
@@ -178,6 +174,8 @@ impl<'a> Printer<'a> {
             }
             text.line("        ],");
             text.line("    }),");
+        } else {
+            text.line(format!("    chain: {none},"));
         }
         text.line("};");
     }

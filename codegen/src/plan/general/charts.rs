@@ -35,6 +35,12 @@ pub(super) fn choose(chain: &GeneralChain) -> (Vec<Chart>, f64) {
     if kept.is_empty() { best(chain, &ALL) } else { (kept, badness) }
 }
 
+/// Whether the joints of a chain can move its tip every way, but at singular poses.
+pub(super) fn is_regular(chain: &GeneralChain) -> bool {
+    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    (0..3).filter_map(|_| random.trial(chain)).any(|trial| !trial.six.is_singular(&trial.q))
+}
+
 /// The best charts of those with these joints dropped, and the directions.
 fn best(chain: &GeneralChain, cuts: &[(u8, bool)]) -> (Vec<Chart>, f64) {
     let mut random = Random(0x2545_f491_4f6c_dd1d);

@@ -65,7 +65,8 @@ pub(super) fn solve<const N: usize, S: Float>(
         let length = length * long;
         let left = length * length;
         if left <= S::from_f64(LEFT) * S::EPSILON {
-            let found = Polished { q, position_error: left * reach, rotation_error: left };
+            let bound = left.max(rounding);
+            let found = Polished { q, position_error: bound * reach, rotation_error: bound };
             return Some((found, sign));
         }
     }
