@@ -70,6 +70,7 @@ fn function(
     let gains = gains::of(nominal, &function, &constants.values(), deviation)?;
     let nearly = Box::new(Nearly {
         joints: joints(model, problem),
+        mirrored: unknowns.iter().filter(|joint| is_reversed(model, **joint)).count() % 2 == 1,
         unknowns: unknowns.try_into().ok()?,
         gains: gains.concat(),
         deviation,
@@ -102,6 +103,8 @@ pub struct Nearly {
     pub gains: Vec<f64>,
     /// See [`dh_core::Nearly::deviation`].
     pub deviation: f64,
+    /// See [`dh_core::Nearly::mirrored`].
+    pub mirrored: bool,
     /// See [`dh_core::Exact::joints`]; where joints are given, there is no such chain.
     pub joints: Option<Forms>,
 }
@@ -113,9 +116,16 @@ impl Nearly {
             unknowns: self.unknowns,
             gains: &self.gains,
             deviation: self.deviation,
+            mirrored: self.mirrored,
             chain: self.joints.map(|joints| dh_core::Exact { arm: chain.arm(), joints }),
         }
     }
+}
+
+/// Whether a joint turns (or slides) against its axis.
+fn is_reversed(model: &Model, joint: usize) -> bool {
+    let row = model.joints.get(joint).and_then(|row| model.rows.get(*row));
+    row.is_some_and(|row| row.terms.iter().any(|(of, coefficient)| *of == joint && *coefficient < 0.0))
 }
 
 /// The joints of an arm of six as forms in those of the chain: a factor each and a constant.

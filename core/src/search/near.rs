@@ -31,6 +31,8 @@ pub struct Nearly<'a> {
     pub gains: &'a [f64],
     /// How far apart the tool frames of the two are at the same joint values, at most (reaches, rad).
     pub deviation: f64,
+    /// Whether the determinants of the Jacobians by these joints and by those of the arm's chain differ in sign.
+    pub mirrored: bool,
     /// The arm as it is, where all its joints are found.
     pub chain: Option<Exact<'a>>,
 }
@@ -73,6 +75,8 @@ struct Labels<'a, S> {
     windings: &'a [Winding<'a, S>],
     /// The step that solves the arm as it is: it comes after those of the closed form.
     step: u8,
+    /// See [`Nearly::mirrored`].
+    mirrored: bool,
 }
 
 impl<S: Float> Labels<'_, S> {
@@ -80,7 +84,8 @@ impl<S: Float> Labels<'_, S> {
     fn solution<const N: usize>(&self, found: &Polished<N, S>, negative: bool) -> Solution<N, S> {
         let Polished { mut q, position_error, rotation_error } = *found;
         crate::rules::wrap_all(self.windings, &mut q);
-        let branch = if negative { Branch::of_steps(bit_of(self.step)) } else { Branch::PLUS };
+        let minus = negative != self.mirrored;
+        let branch = if minus { Branch::of_steps(bit_of(self.step)) } else { Branch::PLUS };
         Solution { q, position_error, rotation_error, free: None, branch }
     }
 }
@@ -117,7 +122,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             seek: None,
             deviation: nearly.deviation,
             chain: nearly.chain,
-            labels: Labels { windings, step: steps(nearly.gains.len()) },
+            labels: Labels { windings, step: steps(nearly.gains.len()), mirrored: nearly.mirrored },
         }
     }
 

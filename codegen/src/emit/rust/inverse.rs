@@ -159,6 +159,7 @@ impl<'a> Printer<'a> {
         text.line("    ],");
         let deviation = number(nearly.deviation, super::ScalarType::F64, &self.paths);
         text.line(format!("    deviation: {deviation},"));
+        text.line(format!("    mirrored: {},", nearly.mirrored));
         let [some, none] = ["Some", "None"].map(|name| self.paths.prelude(name));
         if let Some(joints) = &nearly.joints {
             text.line(format!("    chain: {some}({} {{", self.paths.runtime("Exact")));

@@ -117,7 +117,8 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
                 position_error: S::from_f64(norm(sub(tip.translation, pose.translation))),
                 rotation_error: S::from_f64(crate::rotation_error(&pose.rotation, &tip.rotation)),
             };
-            seek.add(self.labels.solution(&found, determinant < 0.0), self.search.windings);
+            let negative = (determinant < 0.0) != self.labels.mirrored;
+            seek.add(self.labels.solution(&found, negative), self.search.windings);
         });
         seek.complete = sure && !seek.found.is_empty();
         seek
