@@ -136,7 +136,7 @@ fn joints(random: &mut Random, number: usize) -> Vec<f64> {
 }
 
 /// Poses for each table.
-const POSES: usize = 150;
+const POSES: usize = 100;
 
 #[test]
 fn what_a_pose_was_made_from_is_found_by_the_arm_that_was_meant() {

@@ -114,7 +114,13 @@ fn why(robot: &Robot, function: &Function) -> String {
             format!("axes {} are parallel: they turn as one angle", geometry.named(&run))
         }
         _ if is_general => {
-            "no order of steps with one unknown each was found that stands verification".to_owned()
+            let index = match function.kind {
+                FunctionKind::Inverse(index) => index,
+                _ => None,
+            };
+            let stands =
+                if left_out(robot, index).next().is_some() { " that stands verification" } else { "" };
+            format!("no order of steps with one unknown each was found{stands}")
         }
         _ => "every step has one unknown".to_owned(),
     }
