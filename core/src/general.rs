@@ -41,7 +41,7 @@ use known::Known;
 pub(crate) use known::same;
 use pair::Pair;
 use resultant::Resultant;
-use starts::{ALONE, PATIENCE, STARTS, Starts, everywhere};
+use starts::{MORE, PATIENCE, STARTS, Starts, everywhere};
 use wide::{LANES, Wide};
 
 /// How many joints the caller leaves to be found.
@@ -124,7 +124,7 @@ impl SixJoints<'_> {
     pub fn solve(&self, pose: &Frame, mut found: impl FnMut(&[f64; JOINTS], f64)) -> Outcome {
         let mut known = Known::new(self.prismatic, ONE);
         let (mut outcome, sure) = self.solve_plainly(pose, |solution, determinant| {
-            known.insert(solution);
+            known.insert(solution, determinant);
             found(solution, determinant);
         });
         if sure {
@@ -137,7 +137,7 @@ impl SixJoints<'_> {
                 let step = Frame::from_rpy([x, y, z].map(|length| length * self.reach), [roll, pitch, yaw]);
                 let from =
                     self.solve_from(*chart, &pose.compose(&step), pose, &mut |solution, determinant| {
-                        known.insert(solution);
+                        known.insert(solution, determinant);
                         found(solution, determinant);
                     });
                 outcome = Outcome { doubtful: true, ..outcome.and(from) };
@@ -153,7 +153,7 @@ impl SixJoints<'_> {
             while let Some(starts) = Starts::next(&mut beside) {
                 scaled.landings(&target, &starts, |solution, _, determinant| {
                     let solution = self.in_metres(*solution);
-                    known.insert(&solution);
+                    known.insert(&solution, determinant);
                     found(&solution, determinant);
                 });
             }
@@ -162,20 +162,28 @@ impl SixJoints<'_> {
         // Newton's method needs no polynomial.
         let mut everywhere = everywhere();
         let mut idle = 0;
-        let times = if self.charts.is_empty() { ALONE } else { 1 };
-        while idle <= times * (STARTS + PATIENCE * known.len())
-            && let Some(starts) = Starts::next(&mut everywhere)
-        {
+        loop {
+            let missing = self.turns_only() && known.is_lopsided();
+            let times = if self.charts.is_empty() || missing { MORE } else { 1 };
+            if idle > times * (STARTS + PATIENCE * known.len()) {
+                break;
+            }
+            let Some(starts) = Starts::next(&mut everywhere) else { break };
             idle += starts.as_slice().len();
             scaled.landings(&target, &starts, |solution, _, determinant| {
                 let solution = self.in_metres(*solution);
-                if known.insert(&solution) {
+                if known.insert(&solution, determinant) {
                     idle = 0;
                 }
                 found(&solution, determinant);
             });
         }
         outcome
+    }
+
+    /// Whether no joint slides: then every target goes out of reach when it is moved far enough.
+    fn turns_only(&self) -> bool {
+        !self.prismatic.iter().any(|slides| *slides)
     }
 
     /// The same by one choice of joints after the other, until one has no doubt. Says whether one had none, or all found
@@ -262,7 +270,7 @@ impl SixJoints<'_> {
                     hit |= travel.get(chart.unknown()).is_some_and(|moved| *moved <= FAR);
                     // Two roots have gone to one solution: another may have none. Where one is that should not be, the
                     // polynomial is not to be trusted.
-                    outcome.doubtful |= known.insert(q) != likely;
+                    outcome.doubtful |= known.insert(q, determinant) != likely;
                     found(&self.in_metres(*q), determinant);
                 };
                 if let Some(postures) = &postures {
@@ -279,8 +287,8 @@ impl SixJoints<'_> {
                 outcome.doubtful |= !hit;
             }
         }
-        // Real solutions come and go in pairs.
-        outcome.doubtful |= known.len() % 2 == 1;
+        // Real solutions come and go in pairs, of determinants of either sign.
+        outcome.doubtful |= known.len() % 2 == 1 || (self.turns_only() && known.is_lopsided());
         outcome
     }
 

@@ -8,12 +8,20 @@ pub(super) struct Known {
     len: usize,
     prismatic: [bool; JOINTS],
     tolerance: f64,
+    /// How many more have a positive determinant than a negative one.
+    excess: i32,
+    /// How many have neither, as far as rounding tells.
+    undecided: i32,
 }
+
+/// A determinant (reaches, rad) up to here may have either sign: that of a solution that has met another.
+const UNDECIDED: f64 = 1e-6;
 
 impl Known {
     /// None yet; two that are nearer than the tolerance are one.
     pub(super) const fn new(prismatic: [bool; JOINTS], tolerance: f64) -> Self {
-        Self { list: [[0.0; JOINTS]; 2 * waves::MAX_ROOTS], len: 0, prismatic, tolerance }
+        let list = [[0.0; JOINTS]; 2 * waves::MAX_ROOTS];
+        Self { list, len: 0, prismatic, tolerance, excess: 0, undecided: 0 }
     }
 
     /// How many there are.
@@ -26,8 +34,13 @@ impl Known {
         self.list.get(place).filter(|_| place < self.len).copied()
     }
 
+    /// Whether some must be missing: as a target goes out of reach its solutions vanish in pairs, of determinants of either sign.
+    pub(super) const fn is_lopsided(&self) -> bool {
+        self.excess.abs() > self.undecided
+    }
+
     /// Whether it is new, and there is room for it.
-    pub(super) fn insert(&mut self, solution: &[f64; JOINTS]) -> bool {
+    pub(super) fn insert(&mut self, solution: &[f64; JOINTS], determinant: f64) -> bool {
         let mut known = self.list.iter().take(self.len);
         if known.any(|other| same(other, solution, self.prismatic, self.tolerance)) {
             return false;
@@ -35,6 +48,11 @@ impl Known {
         let Some(place) = self.list.get_mut(self.len) else { return false };
         *place = *solution;
         self.len += 1;
+        if libm::fabs(determinant) <= UNDECIDED {
+            self.undecided += 1;
+        } else {
+            self.excess += if determinant < 0.0 { -1 } else { 1 };
+        }
         true
     }
 }

@@ -8,8 +8,8 @@ use super::wide::LANES;
 pub(super) const STARTS: usize = 48;
 pub(super) const PATIENCE: usize = 8;
 const MOST_STARTS: u32 = 2048;
-/// So many times as many, where there is nothing else.
-pub(super) const ALONE: usize = 8;
+/// So many times as many, where there is nothing else, or some must be missing.
+pub(super) const MORE: usize = 8;
 
 /// Joint values (rad, reaches) that fill the joint space evenly: multiples of the powers of 1/g, with g^7 = g + 1, that
 /// generalises the golden section \[Roberts 2018, The unreasonable effectiveness of quasirandom sequences\].
