@@ -14,7 +14,7 @@ use crate::text::{clean, small};
 use crate::units::Units;
 use dh_codegen::model::JointKind;
 use dh_codegen::verify::Level;
-use dh_core::FULL_POSE;
+use dh_core::{FULL_POSE, Norm};
 use solve::{Answer, Question};
 use std::io::{self, Write};
 
@@ -37,6 +37,12 @@ pub(crate) struct Arguments {
     /// Joint values to be near to, in the table's units.
     #[arg(long, value_name = "Q1,Q2,...", allow_hyphen_values = true)]
     near: Option<List>,
+    /// How much a joint's way counts in what is nearest: a factor a joint, of ways in rad and m; 1 for each if left out.
+    #[arg(long, value_name = "W1,W2,...")]
+    weights: Option<List>,
+    /// How the ways of the joints make one: by the sum of their squares, or the greatest.
+    #[arg(long, value_enum, default_value_t)]
+    norm: NormName,
     /// Values of the joints that the problem leaves to the caller, in the table's units. Left out, a problem that leaves
     /// one is solved at many values of it.
     #[arg(long, value_name = "V1,...", allow_hyphen_values = true)]
@@ -52,6 +58,14 @@ pub(crate) struct Arguments {
     /// Read a JSON object a line, with the target's keys and, where wanted, near and free; answer with one a line.
     #[arg(long)]
     stdin: bool,
+}
+
+/// [`Norm`] on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+enum NormName {
+    #[default]
+    Squares,
+    Greatest,
 }
 
 const EXAMPLES: &str = "\
@@ -80,6 +94,11 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
     let arm = program.interpreter().map_err(|error| robot.unusable(&error))?;
     let near = arguments.near.as_ref().map(|List(near)| robot.units().joints_in_si(near)).transpose()?;
     let mut question = Question::new(&robot, &arm, &arguments.problem, near, arguments.all)?;
+    let norm = match arguments.norm {
+        NormName::Squares => Norm::Squares,
+        NormName::Greatest => Norm::Greatest,
+    };
+    question.weigh(arguments.weights.as_ref().map(|List(weights)| weights.as_slice()), norm)?;
     let free = arguments.free.as_ref().map(|List(free)| free.as_slice());
     if arguments.stdin {
         if arguments.free.is_some() {

@@ -24,6 +24,12 @@ fn wrong_usage() {
         ("ik mycobot --problem tool_down", "--position is missing; a target of kind position has --position"),
         ("ik mycobot --problem tool_down --position 1,2", "--position has 2 numbers where 3 are needed"),
         ("ik mycobot --problem tool_down --position 1,2,3 --yaw 4", "--yaw has no meaning"),
+        (
+            "ik mycobot --problem tool_down --position 1,2,3 --weights 1,2",
+            "--weights has 2 numbers where 6 are needed",
+        ),
+        ("ik scara --problem place --position 0.4,0.2,0.3 --yaw 30 --weights 1,1,1,nan", "not negative"),
+        ("ik scara --problem place --position 0.4,0.2,0.3 --yaw 30 --norm most", "squares, greatest"),
         ("ik scara --problem place --position 1,2,3", "--yaw is missing"),
         ("ik scara --problem place --stdin --yaw 3", "the targets are read"),
     ] {

@@ -6,7 +6,7 @@ use crate::robot::Robot;
 use crate::units::Units;
 use dh_codegen::plan::eval::Interpreter;
 use dh_codegen::plan::{Function, FunctionKind};
-use dh_core::{FULL_POSE, IkError, Kinematics, Seed, SolutionSet, Target, TargetKind};
+use dh_core::{FULL_POSE, IkError, Kinematics, Norm, Seed, SolutionSet, Target, TargetKind, Travel};
 
 /// A solution.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +37,8 @@ pub(crate) struct Question<'a> {
     seeded: bool,
     /// The same of targets that say nothing of it.
     usual: (Vec<f64>, bool),
+    /// What counts as nearest, where that was said.
+    travel: Option<(Vec<f64>, Norm)>,
     all: bool,
     /// Joints that the problem leaves to the caller (indices of q).
     left: &'a [usize],
@@ -79,6 +81,7 @@ impl<'a> Question<'a> {
             usual: (near.clone(), seeded),
             near,
             seeded,
+            travel: None,
             all,
             left: info.free,
             free: info.free.is_empty().then(Vec::new),
@@ -95,6 +98,28 @@ impl<'a> Question<'a> {
             (None, [_]) => None,
             (values, left) => Some(self.units().some_joints_in_si(left, values.unwrap_or_default())?),
         };
+        Ok(())
+    }
+
+    /// Takes what counts as nearest: a weight a joint, and how the joints' ways make one.
+    ///
+    /// # Errors
+    /// Where the weights are not one a joint, or one is negative or not finite.
+    pub(crate) fn weigh(&mut self, weights: Option<&[f64]>, norm: Norm) -> Result<(), Failure> {
+        let weights = weights.unwrap_or_default();
+        let dof = self.dof();
+        if !weights.is_empty() && weights.len() != dof {
+            let count = weights.len();
+            return Err(Failure::Usage(format!(
+                "--weights has {count} numbers where {dof} are needed, one a joint"
+            )));
+        }
+        if let Some(wrong) = weights.iter().find(|weight| !(weight.is_finite() && **weight >= 0.0)) {
+            return Err(Failure::Usage(format!(
+                "--weights has {wrong}; a weight is finite and not negative"
+            )));
+        }
+        self.travel = (!weights.is_empty() || norm != Norm::default()).then(|| (weights.to_vec(), norm));
         Ok(())
     }
 
@@ -254,14 +279,16 @@ impl<'a> Question<'a> {
         branch.map_or_else(String::new, |branch| info.named(branch).to_string())
     }
 
-    /// Of all solutions, the nearest to the seed first, where there is one.
+    /// The nearest to the seed first, where there is one. What is allowed comes in that order, but where the measure is
+    /// another.
     fn sort(&self, answers: &mut [Answer]) {
-        if self.all && self.seeded {
-            let travel = |answer: &Answer| -> f64 {
-                answer.q.iter().zip(&self.near).map(|(a, b)| (a - b) * (a - b)).sum()
-            };
-            answers.sort_by(|one, other| travel(one).total_cmp(&travel(other)));
-        }
+        let travel = match &self.travel {
+            Some((weights, norm)) => Travel { weights, norm: *norm },
+            None if self.all && self.seeded => Travel::default(),
+            None => return,
+        };
+        let way = |answer: &Answer| travel.between(&self.near, &answer.q);
+        answers.sort_by(|one, other| way(one).total_cmp(&way(other)));
     }
 }
 
