@@ -24,6 +24,12 @@ fn a_file_is_written_and_known_to_be_fresh_or_stale() {
 }
 
 #[test]
+fn the_committed_code_of_a_shipped_table_is_fresh() {
+    let committed = concat!(env!("CARGO_MANIFEST_DIR"), "/../generated-demo/src/scara.rs");
+    assert_eq!(dhc(&format!("generate scara -o {committed} --check")).good(), "");
+}
+
+#[test]
 fn a_missing_file_is_stale() {
     let stderr = dhc("generate scara -o no/such/folder/scara.rs --check").failed(1);
     assert!(stderr.contains("no/such/folder/scara.rs cannot be read"), "{stderr}");

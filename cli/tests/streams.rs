@@ -70,6 +70,30 @@ fn what_to_be_near_to_may_change_from_line_to_line() {
     assert!(run.stdout.contains("`near` is not a list of numbers"), "{}", run.stdout);
 }
 
+/// Solutions come in the order of the measure that was asked for.
+#[test]
+fn what_counts_as_nearest_may_be_said() {
+    let near = [0.3, -1.2, 0.8, 0.1, 0.5, 0.2];
+    let command = "ik ur5e --json --position 0.4,0.2,0.5 --rpy 0.3,-0.2,1 --near 0.3,-1.2,0.8,0.1,0.5,0.2";
+    let ways = |flags: &str, way: &dyn Fn([f64; 6]) -> f64| -> Vec<f64> {
+        let answer = dhc(&format!("{command} {flags}")).json();
+        let solutions = answer["solutions"].as_array().unwrap().iter();
+        let apart = |solution: &serde_json::Value| {
+            std::array::from_fn(|joint| solution["q"][joint].as_f64().unwrap() - near[joint])
+        };
+        solutions.map(|solution| way(apart(solution))).collect()
+    };
+    let greatest = |apart: [f64; 6]| apart.iter().fold(0.0, |most: f64, way| most.max(way.abs()));
+    let last = |apart: [f64; 6]| apart[5].abs();
+    for all in ["", "--all"] {
+        let sorted = ways(&format!("--norm greatest {all}"), &greatest);
+        assert!(sorted.len() == 8 && sorted.is_sorted(), "{sorted:?}");
+        assert!(!ways(all, &greatest).is_sorted(), "another order than by squares");
+        let sorted = ways(&format!("--weights 0,0,0,0,0,2 {all}"), &last);
+        assert!(sorted.len() == 8 && sorted.is_sorted(), "{sorted:?}");
+    }
+}
+
 #[test]
 fn targets_that_are_not_written_as_they_must_be() {
     let lines = [

@@ -4,7 +4,6 @@
 #![deny(warnings, missing_docs, clippy::pedantic)]
 #![allow(clippy::expect_used, reason = "a test")]
 
-mod everything;
 mod plans;
 
 #[path = "printed/every_target.rs"]
@@ -28,7 +27,7 @@ use dh_codegen::plan::Plan;
 use dh_codegen::plan::eval::Program;
 use dh_runtime::nalgebra::{Point2, Point3, Rotation3, Vector3};
 use dh_runtime::{Float, Frame, IkError, Kinematics, LengthError, Rule, SolutionSet, Target};
-use everything::computed;
+use dh_tests::engine::everything::computed;
 use planar::Planar2R;
 
 #[test]

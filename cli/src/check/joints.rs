@@ -12,7 +12,12 @@ pub(super) fn written(model: &Model) -> String {
         (0, sliding) => format!("{sliding} prismatic"),
         (turning, sliding) => format!("{turning} revolute, {sliding} prismatic"),
     };
-    let held = model.rows.len() - rows.len();
-    let held = if held == 0 { String::new() } else { format!(", {held} held") };
-    format!("{kinds}{held} ({})", names.join(" "))
+    let others = model.rows.iter().filter(|row| row.variable.is_none());
+    let (following, held): (Vec<&Row>, Vec<&Row>) = others.partition(|row| !row.terms.is_empty());
+    let counted = |rows: &[&Row], what| match rows.len() {
+        0 => String::new(),
+        count => format!(", {count} {what}"),
+    };
+    let (held, following) = (counted(&held, "held"), counted(&following, "following others"));
+    format!("{kinds}{held}{following} ({})", names.join(" "))
 }

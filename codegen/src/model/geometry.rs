@@ -49,6 +49,8 @@ pub struct Axis {
     pub point: [f64; 3],
     /// Unit vector.
     pub direction: [f64; 3],
+    /// Whether it has no variable of its own: a held row that moves with other joints.
+    pub follows: bool,
 }
 
 /// A special position of axes to each other, exact or near.
@@ -126,7 +128,8 @@ impl Geometry {
         for (link, joint) in links.iter().zip(&chain.joints) {
             frame = frame.times(link);
             let [direction, point] = [frame.axis(), frame.translation];
-            axes.push(Axis { row: joint.row, kind: joint.kind, point, direction });
+            let follows = rows.get(joint.row).is_some_and(|row| row.variable.is_none());
+            axes.push(Axis { row: joint.row, kind: joint.kind, point, direction, follows });
             // Where q = 0: what of the joint's value stands in no link.
             if let Some(row) = rows.get(joint.row) {
                 frame = frame.times(&match joint.kind {

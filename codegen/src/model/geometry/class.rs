@@ -112,6 +112,13 @@ impl Geometry {
         if parts.is_empty() && count > 1 && self.exact().next().is_none() {
             parts.push("no neighbouring axes parallel or meeting".to_owned());
         }
+        let following: Vec<usize> =
+            (0..count).filter(|axis| self.axes.get(*axis).is_some_and(|axis| axis.follows)).collect();
+        match following.len() {
+            0 => {}
+            1 => parts.push(format!("axis {} follows other joints", self.named(&following))),
+            _ => parts.push(format!("axes {} follow other joints", self.named(&following))),
+        }
         parts
     }
 

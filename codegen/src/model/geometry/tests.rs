@@ -119,7 +119,7 @@ fn a_held_joint_is_part_of_a_link() {
 #[test]
 fn a_coupled_row_is_an_axis_and_slides_keep_directions() {
     let uarm = model(include_str!("../../../../robots/uarm_swift_pro.toml"));
-    assert_eq!(uarm.geometry().class(), "5R, axes 2, 3 and 4 parallel");
+    assert_eq!(uarm.geometry().class(), "5R, axes 2, 3 and 4 parallel, axis 4 follows other joints");
     // A slide across two parallel axes.
     let crossed = "[robot]\nname = \"t\"\nconvention = \"standard\"\nunits = { length = \"m\", angle = \"deg\" }\n\
         [[joint]]\nalpha = 90\n[[joint]]\ntype = \"prismatic\"\nalpha = -90\n[[joint]]\n";

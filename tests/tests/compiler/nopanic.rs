@@ -4,7 +4,7 @@
 #![allow(clippy::expect_used, reason = "a test")]
 
 use dh_codegen::emit::rust::{Options, print};
-use dh_codegen::verify::Level;
+use dh_tests::engine;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -84,8 +84,8 @@ fn pointer(method: &str) -> String {
 
 /// The code of an arm, and a function that hands out everything in it.
 fn arm(name: &str) -> (String, String) {
-    let table = dh_robots::table(name).expect("a shipped table");
-    let output = dh_codegen::compile(table, Level::Quick).output.expect("shipped tables have no mistakes");
+    let compilation = engine::compiled(name).expect("a shipped table");
+    let output = compilation.output.as_ref().expect("shipped tables have no mistakes");
     let code =
         print(&output.model, &output.plan, &Options { name: Some("Arm".to_owned()), ..Options::default() });
     let methods = code.split("\n    pub fn ").skip(1).map(pointer);

@@ -2,9 +2,7 @@
 //! give has solutions that meet it, on the lattice of eighths of a turn too, and those joint values are among them wherever
 //! the arm is not singular.
 
-mod classes;
-
-use classes::{CLASSES, Random, modified_rows, table};
+use super::classes::{CLASSES, Random, modified_rows, table};
 use dh_core::{FULL_POSE, Frame, Kinematics, SolutionSet, Target};
 use dh_tests::engine;
 use dh_tests::oracle::Oracle;

@@ -2,18 +2,18 @@
 //! compiled, `generated-demo/src/<name>.rs`, and equations to be read, `tests/snapshots/<name>.txt`. They stand for the
 //! classes of arms; what is printed for the other tables is compiled and run by `generated` and `nopanic`.
 //!
-//! `UPDATE_EXPECT=1 cargo test -p dh-tests --test snapshots` rewrites what is stale.
+//! `UPDATE_EXPECT=1 cargo test -p dh-tests --test compiler snapshots` rewrites what is stale.
 
 #![expect(clippy::unwrap_used, reason = "a file that cannot be read or written is a broken test")]
 
+use dh_codegen::Output;
 use dh_codegen::emit::text::Part;
 use dh_codegen::emit::{rust, text};
-use dh_codegen::verify::Level;
-use dh_codegen::{Output, compile};
+use dh_tests::engine;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const REFRESH: &str = "UPDATE_EXPECT=1 cargo test -p dh-tests --test snapshots";
+const REFRESH: &str = "UPDATE_EXPECT=1 cargo test -p dh-tests --test compiler snapshots";
 
 /// The tables whose code is committed, in alphabetical order.
 fn committed() -> Vec<String> {
@@ -23,10 +23,9 @@ fn committed() -> Vec<String> {
 }
 
 /// They, with what the compiler makes of them.
-fn compiled() -> impl Iterator<Item = (String, Output)> {
+fn compiled() -> impl Iterator<Item = (String, &'static Output)> {
     committed().into_iter().map(|name| {
-        let text = dh_robots::table(&name).unwrap();
-        let output = compile(text, Level::Full).output.unwrap();
+        let output = engine::compiled(&name).unwrap().output.as_ref().unwrap();
         (name, output)
     })
 }

@@ -9,9 +9,7 @@
     reason = "a test fails by panicking"
 )]
 
-mod classes;
-
-use classes::{CLASSES, Random, modified_rows, table};
+use super::classes::{CLASSES, Random, modified_rows, table};
 use dh_codegen::plan::eval::Program;
 use dh_codegen::verify::Level;
 use dh_core::{

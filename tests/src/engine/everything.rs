@@ -1,9 +1,9 @@
 //! Everything that an arm computes, as text that two engines can be compared by.
 
-use dh_runtime::{Float, Frame, Kinematics, SolutionSet, Target};
+use dh_core::{Float, Frame, Kinematics, SolutionSet, Target};
 
 /// All that an arm computes at a pose, its problems for where a tool frame is. Debug text tells every two floats apart that differ in a bit.
-pub(crate) fn computed<S: Float>(arm: &dyn Kinematics<S>, q: &[S], tool: Frame<S>) -> String {
+pub fn computed<S: Float>(arm: &dyn Kinematics<S>, q: &[S], tool: Frame<S>) -> String {
     let mut frames = vec![Frame::IDENTITY; arm.rows() + 1];
     let mut columns = vec![[S::ZERO; 6]; arm.dof()];
     let mut lines = vec![

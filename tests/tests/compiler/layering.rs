@@ -233,7 +233,7 @@ fn generated_code_names_only_the_runtime_and_core() {
 fn the_oracle_shares_nothing_with_the_compiler() {
     for (path, code) in crate_sources("tests") {
         for word in ["dh_codegen", "dh_core", "dh_runtime", "dh_build"] {
-            assert!(path == "engine.rs" || !code.contains(word), "{path}: {word}");
+            assert!(path.starts_with("engine") || !code.contains(word), "{path}: {word}");
         }
     }
 }

@@ -2,11 +2,9 @@
 
 #![deny(warnings, missing_docs)]
 
-mod everything;
-
 use dh_runtime::{FULL_POSE, Kinematics, dh_robot};
 use dh_tests::engine;
-use everything::computed;
+use dh_tests::engine::everything::computed;
 use std::f64::consts::PI;
 
 macro_rules! shipped {

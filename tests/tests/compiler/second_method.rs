@@ -1,11 +1,10 @@
 //! Closed forms, the general chain and Newton's method find the same solutions.
 
-mod classes;
-
-use classes::{CLASSES, Random, modified_rows, table};
+use super::classes::{CLASSES, Random, modified_rows, table};
 use dh_codegen::compile;
 use dh_codegen::plan::{Agreement, Step};
 use dh_codegen::verify::Level;
+use dh_tests::engine;
 
 #[test]
 fn two_methods_agree_on_arms_of_every_class() {
@@ -25,7 +24,7 @@ fn two_methods_agree_on_arms_of_every_class() {
         "gantry",
         "crane_x7",
     ] {
-        let output = compile(dh_robots::table(name).unwrap(), Level::Full).output.unwrap();
+        let output = engine::compiled(name).unwrap().output.as_ref().unwrap();
         let kept = output.plan.functions.iter().filter_map(|function| function.agreement.as_ref());
         let mut count = 0;
         for Agreement { method, poses, agreed } in kept {

@@ -1,12 +1,10 @@
 //! Every engine against the oracle: shipped tables, random tables, tables as calibration leaves them.
 
-mod forwards;
-
 use dh_core::Frame;
 use dh_tests::engine;
+use dh_tests::engine::forwards::{compare, difference, tolerance};
 use dh_tests::oracle::Oracle;
 use dh_tests::random::{any_arm, calibrated_arm};
-use forwards::{compare, difference, tolerance};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 

@@ -1,6 +1,7 @@
 //! Printed Rust as text: that of hand-written plans is committed, to be read and to be compiled by the test `printed`.
 //! `UPDATE_EXPECT=1` rewrites it.
 
+#[path = "../plans/mod.rs"]
 mod plans;
 
 use dh_codegen::emit::rust::{Options, ScalarType, Types, print};

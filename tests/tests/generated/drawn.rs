@@ -3,14 +3,11 @@
 //!
 //! The shipped tables are arms that people build. These are not, and reach ways through the printer that no arm takes.
 
-mod everything;
-mod forwards;
-
 use dh_runtime::{Kinematics, SolutionSet, Target, dh_robot};
 use dh_tests::engine;
+use dh_tests::engine::everything::computed;
+use dh_tests::engine::forwards::{compare, tolerance};
 use dh_tests::oracle::Oracle;
-use everything::computed;
-use forwards::{compare, tolerance};
 use std::f64::consts::PI;
 
 macro_rules! drawn {

@@ -3,8 +3,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a table of this test that cannot be compiled is a failure")]
 
-mod everything;
-
 use dh_codegen::plan::eval::{Event, Program};
 use dh_codegen::plan::{self, FunctionKind, Plan, Step};
 use dh_codegen::verify::Level;
@@ -13,11 +11,11 @@ use dh_core::{FULL_POSE, Frame, Kinematics, SolutionSet, Target};
 use dh_runtime::dh_robot;
 use dh_runtime::nalgebra::Matrix6;
 use dh_tests::engine;
+use dh_tests::engine::everything::computed;
 use dh_tests::oracle::Oracle;
-use everything::computed;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-#[dh_robot("../near/ur5_tilted.toml")]
+#[dh_robot("../../near/ur5_tilted.toml")]
 struct Tilted;
 
 /// The same numbers on every run.
@@ -318,7 +316,7 @@ fn single_precision_finds_what_it_can_tell_apart() {
 
 #[test]
 fn generated_code_has_the_bits_of_the_interpreter() {
-    let text = include_str!("../near/ur5_tilted.toml");
+    let text = include_str!("../../near/ur5_tilted.toml");
     assert!(is_near(&compiled(text).plan));
     let interpreter = engine::interpreter(text).unwrap();
     let mut random = Random(13);

@@ -1,10 +1,10 @@
 //! What an engine computes forwards, compared with the oracle.
 
+use crate::oracle::Oracle;
 use dh_core::{Frame, Kinematics};
-use dh_tests::oracle::Oracle;
 
 /// Greatest difference between a frame and a matrix, in m and ratios alike.
-pub(crate) fn difference(frame: &Frame, matrix: &[[f64; 4]; 4]) -> f64 {
+pub fn difference(frame: &Frame, matrix: &[[f64; 4]; 4]) -> f64 {
     let rows = frame.rotation.iter().zip(frame.translation).zip(matrix);
     let mut worst = 0.0_f64;
     for ((rotation, translation), given) in rows {
@@ -17,12 +17,10 @@ pub(crate) fn difference(frame: &Frame, matrix: &[[f64; 4]; 4]) -> f64 {
 }
 
 /// Compares all that is computed forwards.
-pub(crate) fn compare(
-    engine: &dyn Kinematics,
-    oracle: &Oracle,
-    q: &[f64],
-    tolerance: f64,
-) -> Result<(), String> {
+///
+/// # Errors
+/// What differs, and by how much.
+pub fn compare(engine: &dyn Kinematics, oracle: &Oracle, q: &[f64], tolerance: f64) -> Result<(), String> {
     let close = |what: &str, difference: f64| {
         if difference <= tolerance {
             Ok(())
@@ -54,6 +52,6 @@ pub(crate) fn compare(
 }
 
 /// What a product of f64 matrices may be off by: a few units in the last place of the arm's size.
-pub(crate) fn tolerance(oracle: &Oracle) -> f64 {
+pub fn tolerance(oracle: &Oracle) -> f64 {
     4e-15 * (1.0 + oracle.reach()) * oracle.chain().rows.len() as f64
 }

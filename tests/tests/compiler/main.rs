@@ -1,0 +1,26 @@
+//! The compiler as a library: what it makes of tables, against the oracle, and what the workspace promises of itself.
+//!
+//! One program, so that its tests share both processors and what they compile. What compiles generated code itself is not
+//! among them: a test that rewrites that code must run when it does not compile.
+
+mod agree;
+mod branch;
+mod cases;
+mod classes;
+mod full_pose;
+mod geometry;
+mod inverse;
+mod layering;
+mod mounted;
+mod nopanic;
+mod oracle;
+mod printed_text;
+mod random;
+mod reachable;
+mod rebuild;
+mod redundant;
+mod second_method;
+mod seeded;
+mod snapshots;
+mod tables;
+mod ui;

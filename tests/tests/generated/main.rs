@@ -1,0 +1,5 @@
+//! What the attribute `dh_robot` generates, compiled and run.
+
+mod drawn;
+mod near;
+mod shipped;
