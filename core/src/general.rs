@@ -18,10 +18,12 @@ mod chart;
 mod circuit;
 mod closer;
 mod continuum;
+mod isolation;
 mod jacobian;
 mod known;
 mod line;
 mod linear;
+mod mirror;
 mod pair;
 mod posture;
 mod resultant;
@@ -39,9 +41,11 @@ use circuit::Circuit;
 use closer::View;
 use known::Known;
 pub(crate) use known::same;
+use mirror::Mirror;
 use pair::Pair;
 use resultant::Resultant;
 use starts::{MORE, PATIENCE, STARTS, Starts, everywhere};
+pub use triple::Triple;
 use wide::{LANES, Wide};
 
 /// How many joints the caller leaves to be found.
@@ -60,6 +64,8 @@ pub struct GeneralArm<'a> {
     pub reach: f64,
     /// Choices of joints, the best first.
     pub charts: &'a [Chart],
+    /// [`GeneralArm::triple`], if it is known beforehand.
+    pub triple: &'a Option<Triple>,
 }
 
 impl<'a> GeneralArm<'a> {
@@ -70,6 +76,7 @@ impl<'a> GeneralArm<'a> {
             prismatic: [false; JOINTS],
             reach: self.reach,
             charts: self.charts,
+            triple: if self.given.is_empty() { self.triple.as_ref() } else { None },
         };
         let (first, links) = self.links.split_first()?;
         let mut link = *first;
@@ -102,6 +109,8 @@ pub struct SixJoints<'a> {
     pub reach: f64,
     /// Choices of joints, the best first.
     pub charts: &'a [Chart],
+    /// [`GeneralArm::triple`] of the first of them, if it is known beforehand.
+    pub triple: Option<&'a Triple>,
 }
 
 /// What a search of one chart came to.
@@ -231,7 +240,14 @@ impl SixJoints<'_> {
         let scaled = self.scaled();
         let circuit = scaled.circuit(chart, &self.in_reaches(from));
         let pair = Pair::new(&circuit);
-        let Some(resultant) = Resultant::new(&circuit, pair.as_ref(), chart) else {
+        let computed;
+        let triple = if let Some(triple) = self.triple.filter(|_| self.charts.first() == Some(&chart)) {
+            triple
+        } else {
+            computed = circuit.triple(chart);
+            &computed
+        };
+        let Some(resultant) = Resultant::new(&circuit, pair.as_ref(), triple, chart) else {
             return Outcome::UNKNOWN;
         };
         let (roots, noise) = closer::roots(&resultant);
@@ -243,9 +259,12 @@ impl SixJoints<'_> {
         let mut outcome = Outcome { doubtful, miss: roots.miss, moved: 0.0, doubted: false };
         let mut known = Known::new(self.prismatic, SAME);
         let periods = chart.periods.max(1);
+        // Where the polynomial repeats itself because the solutions do, one of each two will do.
+        let mirror = (periods == 2).then(|| Mirror::of(&scaled, chart.unknown())).flatten();
+        let turns = if mirror.is_some() { 1 } else { periods };
         let likely = roots.likely.as_slice().iter().map(|root| (*root, true));
         let places = likely.chain(roots.unlikely.as_slice().iter().map(|root| (*root, false)));
-        let places = places.flat_map(|place| (0..periods).map(move |turn| (place, turn)));
+        let places = places.flat_map(|place| (0..turns).map(move |turn| (place, turn)));
         let mut places = places.map(|((root, likely), turn)| {
             ((root + f64::from(turn) * core::f64::consts::TAU) / f64::from(periods), likely)
         });
@@ -270,8 +289,15 @@ impl SixJoints<'_> {
                     hit |= travel.get(chart.unknown()).is_some_and(|moved| *moved <= FAR);
                     // Two roots have gone to one solution: another may have none. Where one is that should not be, the
                     // polynomial is not to be trusted.
-                    outcome.doubtful |= known.insert(q, determinant) != likely;
-                    found(&self.in_metres(*q), determinant);
+                    let mut add = |q: &[f64; JOINTS], determinant: f64| {
+                        outcome.doubtful |= known.insert(q, determinant) != likely;
+                        found(&self.in_metres(*q), determinant);
+                    };
+                    add(q, determinant);
+                    if let Some(mirror) = &mirror {
+                        let (q, turned_over) = mirror.apply(q);
+                        add(&q, if turned_over { -determinant } else { determinant });
+                    }
                 };
                 if let Some(postures) = &postures {
                     if let Some((q, travel, determinant)) = postures.solution(&scaled, lane) {
@@ -326,7 +352,7 @@ impl SixJoints<'_> {
     /// chart's degree is too low.
     pub fn noise(&self, chart: Chart, pose: &Frame) -> f64 {
         let circuit = self.scaled().circuit(chart, &self.in_reaches(pose));
-        Resultant::new(&circuit, Pair::new(&circuit).as_ref(), chart)
+        Resultant::new(&circuit, Pair::new(&circuit).as_ref(), &circuit.triple(chart), chart)
             .map_or(f64::INFINITY, |resultant| resultant.waves(View::WHOLE).1)
     }
 

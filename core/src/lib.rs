@@ -46,7 +46,7 @@ pub use branch::{Branch, BranchBit, BranchWord, NamedBranch};
 pub use error::{IkError, LengthError};
 pub use float::Float;
 pub use frame::{Frame, rotation_error};
-pub use general::{Chart, GeneralArm, Outcome, SixJoints};
+pub use general::{Chart, GeneralArm, Outcome, SixJoints, Triple};
 pub use generated::{copy_into, joint_array};
 pub use joint::{Joint, JointKind, Limits, NamedPose, Servo};
 pub use kinematics::{FULL_POSE, Kinematics, ProblemInfo};

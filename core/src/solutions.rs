@@ -82,7 +82,7 @@ impl<const N: usize, S: Float> Solutions<N, S> {
     /// stays. Where the set is full the solution is counted in [`Solutions::dropped`] instead.
     pub fn push(&mut self, solution: Solution<N, S>, windings: &[Winding<'_, S>]) {
         for known in self.as_mut_slice() {
-            if same(&known.q, &solution.q, windings) {
+            if !differ(&known.q, &solution.q, windings) && same(&known.q, &solution.q, windings) {
                 if solution.residual() < known.residual() {
                     *known = solution;
                 }

@@ -632,7 +632,7 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, IkError> {
     const THETA3: Step = Step::new(0, 0b11_1111, false, Measure::Ratio);
     #[rustfmt::skip]
-    const CHAIN: GeneralArm<'static> = GeneralArm {
+    const BARE_CHAIN: GeneralArm<'static> = GeneralArm {
         // Rows of [R | p]: before the first joint, between the joints, after the last.
         links: &[
             Frame::from_rows([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
@@ -650,7 +650,10 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, I
             Chart::new(4, false, 1, true, false, 6).repeated(2),
             Chart::new(4, false, 2, false, false, 12),
         ],
+        triple: &None,
     };
+    // With what does not depend on the target.
+    const CHAIN: GeneralArm<'static> = GeneralArm { triple: &BARE_CHAIN.triple(), ..BARE_CHAIN };
 
     let target = target.validate_as(TargetKind::Pose)?;
     let unknowns = |q: &[f64; 6]| [q[0], q[1], q[2], q[3], q[4], q[5]];

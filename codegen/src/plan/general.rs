@@ -34,6 +34,7 @@ impl GeneralChain {
             given: &self.given,
             reach: self.reach,
             charts: &self.charts,
+            triple: &None,
         }
     }
 }

@@ -67,8 +67,18 @@ impl Chart {
     }
 
     /// The joint of the arm at a place of the circuit.
-    const fn place(self, along: usize) -> usize {
+    pub(super) const fn place(self, along: usize) -> usize {
         let first = self.dropped as usize % JOINTS;
         if self.backward { (first + JOINTS - along) % JOINTS } else { (first + along) % JOINTS }
+    }
+
+    /// Which of joints 3, 4 and 5 of the circuit (0, 1, 2) is hidden, eliminated, last.
+    pub(super) const fn places(self) -> [usize; 3] {
+        let [hidden, first, last] = match self.hidden % 3 {
+            0 => [0, 1, 2],
+            1 => [1, 0, 2],
+            _ => [2, 0, 1],
+        };
+        if self.swapped { [hidden, last, first] } else { [hidden, first, last] }
     }
 }

@@ -3,6 +3,7 @@
 use super::line::{Line, Motion, PRODUCTS, Products, TURNED, UNTURNED};
 use super::pair::Pair;
 use super::posture::{Frames, Values};
+use super::triple::Triple;
 use super::wide::{Wide, cross, dot};
 use super::{Chart, JOINTS};
 use crate::Frame;
@@ -44,6 +45,13 @@ impl Circuit {
 
     pub(super) fn slides(&self, place: usize) -> bool {
         self.prismatic.get(place).copied().unwrap_or(false)
+    }
+
+    /// What joints 3, 4 and 5 do to the first joint's axis.
+    #[inline(never)]
+    pub(super) fn triple(&self, chart: Chart) -> Triple {
+        let ([_, _, links @ ..], [_, _, _, slides @ ..]) = (self.links, self.prismatic);
+        Triple::new(&links, slides, chart)
     }
 
     fn sign(&self) -> f64 {

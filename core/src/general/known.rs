@@ -60,7 +60,10 @@ impl Known {
 /// Whether two sets of joint values are one but for whole turns.
 pub(crate) fn same(a: &[f64; JOINTS], b: &[f64; JOINTS], prismatic: [bool; JOINTS], tolerance: f64) -> bool {
     a.iter().zip(b).zip(prismatic).all(|((a, b), slides)| {
-        let apart = if slides { a - b } else { crate::Float::wrap_angle(a - b) };
-        libm::fabs(apart) <= tolerance
+        let apart = libm::fabs(a - b);
+        // Most are told apart by this without their turns being counted.
+        apart <= tolerance
+            || !(slides || apart < core::f64::consts::PI)
+                && libm::fabs(crate::Float::wrap_angle(a - b)) <= tolerance
     })
 }

@@ -1,7 +1,6 @@
 //! A line and its power products.
 
 use crate::Frame;
-use crate::frame::{cross, dot};
 
 /// How many power products a line has.
 pub(super) const PRODUCTS: usize = 14;
@@ -31,27 +30,30 @@ impl Line {
     pub(super) const AXIS: Self = Self { point: [0.0; 3], direction: [0.0, 0.0, 1.0] };
 
     /// Given in a frame: where it is in the frame that this one is given in.
-    pub(super) fn moved(&self, frame: &Frame) -> Self {
-        Self { point: frame.transform_point(self.point), direction: frame.transform_vector(self.direction) }
+    pub(super) const fn moved(&self, frame: &Frame) -> Self {
+        let [x, y, z] = turned(&frame.rotation, self.point);
+        let [dx, dy, dz] = frame.translation;
+        Self { point: [x + dx, y + dy, z + dz], direction: turned(&frame.rotation, self.direction) }
     }
 
     /// Moved by a joint.
-    pub(super) fn by(&self, joint: &Motion) -> Self {
+    pub(super) const fn by(&self, joint: &Motion) -> Self {
         let (cos, sin) = (joint.cos, joint.sin);
-        let turn = |[x, y, z]: [f64; 3]| [cos * x - sin * y, sin * x + cos * y, z];
-        let [x, y, z] = turn(self.point);
-        Self { point: [x, y, z + joint.slide], direction: turn(self.direction) }
+        let ([x, y, z], [u, v, w]) = (self.point, self.direction);
+        Self {
+            point: [cos * x - sin * y, sin * x + cos * y, z + joint.slide],
+            direction: [cos * u - sin * v, sin * u + cos * v, w],
+        }
     }
 
     /// Its power products.
-    pub(super) fn products(&self) -> Products {
-        let (p, l) = (self.point, self.direction);
-        let (pp, pl) = (dot(p, p), dot(p, l));
-        let [n1, n2, n3] = cross(p, l);
-        let [p1, p2, p3] = p;
-        let [l1, l2, l3] = l;
-        let last = |l: f64, p: f64| pp * l - 2.0 * pl * p;
-        [p1, p2, p3, l1, l2, l3, pp, pl, n1, n2, n3, last(l1, p1), last(l2, p2), last(l3, p3)]
+    pub(super) const fn products(&self) -> Products {
+        let ([p1, p2, p3], [l1, l2, l3]) = (self.point, self.direction);
+        let (pp, pl) = (p1 * p1 + p2 * p2 + p3 * p3, p1 * l1 + p2 * l2 + p3 * l3);
+        let [n1, n2, n3] = [p2 * l3 - p3 * l2, p3 * l1 - p1 * l3, p1 * l2 - p2 * l1];
+        let twice = 2.0 * pl;
+        let [k1, k2, k3] = [pp * l1 - twice * p1, pp * l2 - twice * p2, pp * l3 - twice * p3];
+        [p1, p2, p3, l1, l2, l3, pp, pl, n1, n2, n3, k1, k2, k3]
     }
 
     /// The products that a joint along z leaves alone.
@@ -81,6 +83,12 @@ impl Line {
     }
 }
 
+/// A vector in the frame that a rotation leads to.
+const fn turned(rotation: &[[f64; 3]; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
+    let [[a, b, c], [d, e, f], [g, h, i]] = *rotation;
+    [a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z]
+}
+
 /// What a joint does along and about its z axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Motion {
@@ -95,10 +103,15 @@ impl Motion {
         Self { cos, sin, slide: 0.0 }
     }
 
+    /// By the slide (the unit of length).
+    pub(super) const fn slid(slide: f64) -> Self {
+        Self { cos: 1.0, sin: 0.0, slide }
+    }
+
     /// By a value (rad or the unit of length).
     pub(super) fn new(prismatic: bool, value: f64) -> Self {
         if prismatic {
-            return Self { cos: 1.0, sin: 0.0, slide: value };
+            return Self::slid(value);
         }
         let (sin, cos) = libm::sincos(value);
         Self { cos, sin, slide: 0.0 }

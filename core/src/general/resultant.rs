@@ -3,19 +3,18 @@
 use super::Chart;
 use super::circuit::Circuit;
 use super::closer::View;
-use super::line::{PRODUCTS, UNTURNED};
+use super::line::{PRODUCTS, TURNED, UNTURNED};
 use super::linear::eliminate;
 use super::pair::{Pair, Sums};
 use super::posture::Values;
-use super::triple::{self, Quadratic, Samples, TRIPLE, UNITY};
+use super::triple::{OFFSETS, Quadratic, Triple};
 use super::waves::{MAX_DEGREE, Waves};
 use super::wide::{LANES, Wide, cross, dot, matrix_vector, vector_if_greater};
 
-/// Where half-angle tangents are counted from (rad): no place that a target is likely to ask for.
-const OFFSETS: [f64; 3] = [0.0, 0.734_5, -0.412_3];
-
 /// Products that the first two joints of the circuit have beside 1.
 const PAIR: usize = 8;
+/// How many products of half-angle tangents and parts of the hidden joint there are.
+const TRIPLE: usize = 27;
 const COLUMNS: usize = PAIR + TRIPLE;
 /// Equations that are left.
 pub(super) const LEFT: usize = PRODUCTS - PAIR;
@@ -49,57 +48,28 @@ struct Sample {
 
 impl Resultant {
     /// Eliminates joints 1 and 2 of the circuit. `None` where the joint that is to be hidden slides.
-    pub(super) fn new(circuit: &Circuit, pair: Option<&Pair>, chart: Chart) -> Option<Self> {
+    pub(super) fn new(circuit: &Circuit, pair: Option<&Pair>, triple: &Triple, chart: Chart) -> Option<Self> {
         let [_, _, _, slides @ ..] = circuit.prismatic;
-        let order = places(chart);
-        let [hidden, first, last] = order.map(|place| slides.get(place).copied().unwrap_or(false));
-        if hidden {
+        let [hidden, _, _] = chart.places();
+        if slides.get(hidden).copied().unwrap_or(false) {
             return None;
         }
-        let samples = triple::samples(circuit, &OFFSETS, order);
         let sums = pair.and_then(|pair| Some((pair, pair.sums()?)));
-        let (mut equations, pivot) = match sums {
-            Some((pair, sums)) => (pair_eliminated(&samples, pair, &sums), 1.0),
-            None => eliminated(&samples, circuit),
+        let (mut parts, pivot) = match sums {
+            Some((pair, sums)) => (pair_eliminated(triple, pair, &sums), 1.0),
+            None => eliminated(triple, circuit),
         };
         let mut greatest = [0.0; LEFT];
-        for sample in &equations {
+        for sample in parts.as_flattened() {
             for (most, x) in greatest.iter_mut().zip(sample) {
                 *most = if x.abs() > *most { x.abs() } else { *most };
             }
         }
         let scale = greatest.map(|x| if x > 0.0 { 1.0 / x } else { 0.0 });
-        for sample in &mut equations {
+        for sample in parts.as_flattened_mut() {
             sample.iter_mut().zip(scale).for_each(|(x, scale)| *x *= scale);
         }
-        for row in equations.as_chunks_mut::<3>().0 {
-            *row = powers(row, last);
-        }
-        for face in equations.as_chunks_mut::<9>().0 {
-            for k in 0..3 {
-                [face[k], face[k + 3], face[k + 6]] = powers(&[face[k], face[k + 3], face[k + 6]], first);
-            }
-        }
-        // Samples at an angle, a quarter and half a turn from there.
-        let mut parts = [[[0.0; LEFT]; 9]; 3];
-        let [constants, cosines, sines] = &mut parts;
-        let [at0, at1, at2] = equations.as_chunks::<9>().0 else { return None };
-        for k in 0..9 {
-            for r in 0..LEFT {
-                let mean = 0.5 * (at0[k][r] + at2[k][r]);
-                constants[k][r] = mean;
-                cosines[k][r] = at0[k][r] - mean;
-                sines[k][r] = at1[k][r] - mean;
-            }
-        }
-        // t behind its square.
-        for [_, _, _, t0, t1, t2, s0, s1, s2] in &mut parts {
-            core::mem::swap(t0, s0);
-            core::mem::swap(t1, s1);
-            core::mem::swap(t2, s2);
-        }
-        let factors = if chart.divided { triple::factors(&samples) } else { [UNITY; 2] };
-        Some(Self { parts, factors, pivot, chart, slides })
+        Some(Self { parts, factors: triple.factors, pivot, chart, slides })
     }
 
     /// At cosines and sines of the hidden joint.
@@ -172,15 +142,8 @@ impl Resultant {
         let period = 1.0 / f64::from(self.chart.periods.max(1));
         // Enough to see the two harmonics above the degree, which must be 0: one odd, one even.
         let count = (2 * degree + 4).next_multiple_of(LANES);
-        let mut circle = [[0.0; 2]; MOST];
         let mut values = [0.0; MOST];
         let turn = core::f64::consts::TAU / count as f64;
-        let (step_sin, step_cos) = libm::sincos(turn);
-        let (mut cos, mut sin) = (1.0, 0.0);
-        for place in circle.iter_mut().take(count) {
-            *place = [cos, sin];
-            (cos, sin) = (cos * step_cos - sin * step_sin, sin * step_cos + cos * step_sin);
-        }
         for (k, values) in values.as_chunks_mut::<LANES>().0.iter_mut().enumerate().take(count / LANES) {
             // Half a step off, where factors that are divided out have no roots for reasons of symmetry.
             let (mut angles, mut sizes) = (Wide::ZERO, Wide::ZERO);
@@ -193,23 +156,33 @@ impl Resultant {
                 if view.is_whole() { self.sample(cos, sin).value } else { self.determinant(cos, sin) };
             *values = (power * value / self.divisor(cos, sin)).0;
         }
+        // Half steps, to the last digit: their errors would be noise.
+        let mut circle = [[0.0; 2]; 2 * MOST];
+        for k in 0..count / 2 {
+            let (sin, cos) = crate::Float::sin_cos(k as f64 * turn / 2.0);
+            for (quarter, direction) in
+                [[cos, sin], [-sin, cos], [-cos, -sin], [sin, -cos]].into_iter().enumerate()
+            {
+                if let Some(place) = circle.get_mut(quarter * count / 2 + k) {
+                    *place = direction;
+                }
+            }
+        }
         let mut coefficients = [[0.0; 2]; MAX_DEGREE + 1];
         let mut greatest = 0.0;
         let mut noise = 0.0;
         for harmonic in 0..=degree + 2 {
-            let mut at = 0;
+            let mut at = harmonic;
             let (mut a, mut b) = (0.0, 0.0);
             for value in values.iter().take(count) {
                 let [cos, sin] = circle.get(at).copied().unwrap_or_default();
                 a += value * cos;
                 b -= value * sin;
-                at += harmonic;
-                if at >= count {
-                    at -= count;
+                at += 2 * harmonic;
+                if at >= 2 * count {
+                    at -= 2 * count;
                 }
             }
-            let (sin, cos) = libm::sincos(harmonic as f64 * turn / 2.0);
-            let (a, b) = (a * cos + b * sin, b * cos - a * sin);
             let size = libm::fabs(a) + libm::fabs(b);
             if let Some(place) = coefficients.get_mut(harmonic).filter(|_| harmonic <= degree) {
                 *place = if harmonic == 0 { [a, 0.0] } else { [2.0 * a, 2.0 * b] };
@@ -248,8 +221,8 @@ impl Resultant {
         let [zero, one, two] = vector_if_greater(in_last, size, last, greatest);
         let (in_zero, in_two) = (zero.abs(), two.abs());
         let other = (in_two.if_greater(in_zero, two, one), in_two.if_greater(in_zero, one, zero));
-        let [hidden_place, first, last] = places(self.chart);
-        let offset = OFFSETS.get(hidden_place).map_or(Values::ZERO, |at| Values::new(false, Wide::all(*at)));
+        let [hidden_place, first, last] = self.chart.places();
+        let offset = offset(hidden_place);
         let mut values = [Values::ZERO; 3];
         for (place, value) in [
             (hidden_place, hidden.turned_by(&offset)),
@@ -272,8 +245,7 @@ impl Resultant {
         let scale = Wide::ONE / (above + below);
         let product = numerator * denominator;
         let turned = Values::turned((below - above) * scale, (product + product) * scale);
-        let offset = OFFSETS.get(place).copied().unwrap_or(0.0);
-        turned.turned_by(&Values::new(false, Wide::all(offset)))
+        turned.turned_by(&offset(place))
     }
 }
 
@@ -300,50 +272,65 @@ fn weight(row: usize, equation: usize) -> f64 {
     x - libm::floor(x) - 0.5
 }
 
-/// Which of the three joints is hidden, eliminated, last.
-fn places(chart: Chart) -> [usize; 3] {
-    let [hidden, first, last] = match chart.hidden % 3 {
-        0 => [0, 1, 2],
-        1 => [1, 0, 2],
-        _ => [2, 0, 1],
-    };
-    if chart.swapped { [hidden, last, first] } else { [hidden, first, last] }
+/// Where the half-angle tangent of one of joints 3, 4 and 5 (0, 1, 2) is counted from.
+fn offset(place: usize) -> Values {
+    OFFSETS.get(place).map_or(Values::ZERO, |at| {
+        let [cos, sin] = at.map(Wide::all);
+        Values::turned(cos, sin)
+    })
 }
 
-/// The equations without joints 1 and 2, at every sample.
-fn pair_eliminated(samples: &Samples, pair: &Pair, sums: &Sums) -> [[f64; LEFT]; TRIPLE] {
+/// The equations without joints 1 and 2.
+fn pair_eliminated(triple: &Triple, pair: &Pair, sums: &Sums) -> [Block; 3] {
     let [constants, ..] = &pair.parts;
     let mut constant = [0.0; LEFT];
     for k in UNTURNED {
         constant.iter_mut().zip(sums[k]).for_each(|(sum, weight)| *sum -= weight * constants[k]);
     }
-    let mut equations = [constant; TRIPLE];
-    for (equations, sample) in equations.iter_mut().zip(samples) {
-        for (weights, x) in sums.iter().zip(sample) {
-            equations.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight * x);
+    let mut blocks = [[[0.0; LEFT]; 9]; 3];
+    let [constants, ..] = &mut blocks;
+    for (equations, one) in constants.iter_mut().zip(triple.ones) {
+        *equations = constant.map(|x| one * x);
+    }
+    for (equations, sample) in blocks.as_flattened_mut().iter_mut().zip(triple.parts.as_flattened()) {
+        let [a, b, c, d, real, imaginary] = equations;
+        for [x, y] in TURNED {
+            // The weights of the two differ by a quarter turn.
+            let [.., wa, wb] = sums[x];
+            *real += wa * sample[x] - wb * sample[y];
+            *imaginary += wb * sample[x] + wa * sample[y];
+        }
+        for k in UNTURNED {
+            let [wa, wb, wc, wd, ..] = sums[k];
+            *a += wa * sample[k];
+            *b += wb * sample[k];
+            *c += wc * sample[k];
+            *d += wd * sample[k];
         }
     }
-    equations
+    blocks
 }
 
 /// The same for joints of all kinds, wherever they are, by a search for pivots. Also says how small the last one was
 /// beside the greatest.
 #[cold]
 #[inline(never)]
-fn eliminated(samples: &Samples, circuit: &Circuit) -> ([[f64; LEFT]; TRIPLE], f64) {
+fn eliminated(triple: &Triple, circuit: &Circuit) -> ([Block; 3], f64) {
     let mut rows = [[0.0; COLUMNS]; PRODUCTS];
     let pair = circuit.pair();
     let [[constant, ..], ..] = pair;
-    let columns = pair.iter().flatten().skip(1).chain(samples);
-    for (index, column) in columns.enumerate() {
+    let ones = triple.ones.into_iter().chain([0.0; TRIPLE - 9]);
+    let columns = pair.iter().flatten().skip(1).map(|column| (column, 1.0));
+    let columns = columns.chain(triple.parts.as_flattened().iter().zip(ones));
+    for (index, (column, one)) in columns.enumerate() {
         for ((row, value), constant) in rows.iter_mut().zip(column).zip(constant) {
             if let Some(place) = row.get_mut(index) {
-                *place = value - constant;
+                *place = value - one * constant;
             }
         }
     }
     let (rank, pivot) = eliminate(&mut rows, PAIR);
-    let mut equations = [[0.0; LEFT]; TRIPLE];
+    let mut blocks = [[[0.0; LEFT]; 9]; 3];
     // Where the two joints take fewer equations, the rest is added to the six: any six independent sums will do.
     for (index, row) in rows.iter().skip(rank).enumerate() {
         let [_, _, _, _, _, _, _, _, samples @ ..] = row;
@@ -353,28 +340,11 @@ fn eliminated(samples: &Samples, circuit: &Circuit) -> ([[f64; LEFT]; TRIPLE], f
         if greatest <= 0.0 {
             continue;
         }
-        for (equations, value) in equations.iter_mut().zip(samples) {
+        for (equations, value) in blocks.as_flattened_mut().iter_mut().zip(samples) {
             for (k, place) in equations.iter_mut().enumerate() {
                 *place += weight(index, k) / greatest * value;
             }
         }
     }
-    (equations, pivot)
-}
-
-/// From samples at an angle, a quarter turn and half a turn further (at 0, 1 and -1 of a slide) to the coefficients of 1,
-/// t, t²: of the half-angle tangent, after multiplication by 1 + t² (of the slide itself).
-#[inline]
-fn powers([f0, f1, f2]: &[[f64; LEFT]; 3], prismatic: bool) -> [[f64; LEFT]; 3] {
-    let mut powers = [*f0, [0.0; LEFT], *f2];
-    let [_, one, two] = &mut powers;
-    for r in 0..LEFT {
-        if prismatic {
-            one[r] = 0.5 * (f1[r] - f2[r]);
-            two[r] = 0.5 * (f1[r] + f2[r]) - f0[r];
-        } else {
-            one[r] = 2.0 * f1[r] - f0[r] - f2[r];
-        }
-    }
-    powers
+    (blocks, pivot)
 }

@@ -32,6 +32,7 @@ fn arm(rows: [[f64; 3]; 6], charts: &[Chart]) -> SixJoints<'_> {
         prismatic: [false; 6],
         reach: rows.iter().map(|[a, _, d]| a.abs() + d.abs()).sum(),
         charts,
+        triple: None,
     }
 }
 
@@ -209,11 +210,90 @@ fn given_joints_become_part_of_the_links() {
     let [l0, l1, l2, l3, l4, l5, l6] = six.links;
     let middle = turn(0.4) * l3;
     let links = [l0, l1, l2, Frame::IDENTITY, middle, l4, l5, l6];
-    let seven =
-        GeneralArm { links: &links, prismatic: &[false; 7], given: &[3], reach: six.reach, charts: &charts };
+    let seven = GeneralArm {
+        links: &links,
+        prismatic: &[false; 7],
+        given: &[3],
+        reach: six.reach,
+        charts: &charts,
+        triple: &None,
+    };
     let folded = seven.six(&[-0.4]);
     let q = [0.1, -0.2, 0.3, -0.4, 0.5, -0.6];
     let tips = folded.map(|folded| (folded.tip(&q), six.tip(&q)));
     assert!(tips.is_some_and(|(one, other)| crate::Target::Pose(one).errors(&other).0 < 1e-15));
     assert!(seven.six(&[]).is_none());
+}
+
+#[test]
+fn mirrored_joint_values_have_the_same_tip() {
+    for (name, rows, charts) in cases() {
+        let arm = arm(rows, &charts);
+        let scaled = arm.scaled();
+        let mut random = Random(3);
+        let joints: Vec<usize> =
+            (0..6).filter(|joint| super::mirror::Mirror::of(&scaled, *joint).is_some()).collect();
+        let wanted: &[usize] = match name {
+            "manseur" => &[2, 5],
+            "crx" => &[0, 3],
+            // Of the UR5, whose axes 2, 3 and 4 are parallel, the fifth meets the fourth beside the first.
+            "puma" => &[3, 5],
+            _ => &[],
+        };
+        assert_eq!(joints, wanted, "{name}");
+        for joint in joints {
+            let Some(mirror) = super::mirror::Mirror::of(&scaled, joint) else { continue };
+            for _ in 0..20 {
+                let q = random.joints();
+                let (other, turned_over) = mirror.apply(&q);
+                assert!(
+                    apart(&[q[joint], 0.0, 0.0, 0.0, 0.0, 0.0], &[other[joint], 0.0, 0.0, 0.0, 0.0, 0.0])
+                        > 3.1
+                );
+                let (position, rotation) = crate::Target::Pose(fk(&arm, &q)).errors(&fk(&arm, &other));
+                assert!(position.max(rotation) < 1e-14, "{name} at {q:?}: {position:e} {rotation:e}");
+                let (one, mirrored) = (arm.determinant(&q), arm.determinant(&other));
+                let sign = if turned_over { -1.0 } else { 1.0 };
+                assert!((one - sign * mirrored).abs() < 1e-14, "{name} at {q:?}: {one} {mirrored}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_computed_beforehand_is_what_would_be() {
+    for (name, rows, charts) in cases() {
+        for chart in charts {
+            let charts = [chart];
+            let six = arm(rows, &charts);
+            let (prismatic, given) = ([false; 6], []);
+            let bare = GeneralArm {
+                links: &six.links,
+                prismatic: &prismatic,
+                given: &given,
+                reach: six.reach,
+                charts: &charts,
+                triple: &None,
+            };
+            let triple = bare.triple();
+            assert!(triple.is_some(), "{name}");
+            let prepared = GeneralArm { triple: &triple, ..bare };
+            let mut random = Random(9);
+            for _ in 0..10 {
+                let pose = fk(&six, &random.joints());
+                let solutions = |arm: &GeneralArm<'_>| {
+                    let mut all = Vec::new();
+                    if let Some(six) = arm.six(&[]) {
+                        six.solve_in(chart, &pose, &mut |q, determinant| all.push((*q, determinant)));
+                    }
+                    all
+                };
+                assert_eq!(solutions(&prepared), solutions(&bare), "{name}");
+            }
+            // A link that follows the target, or a joint that is given, is not known beforehand.
+            let through = [Chart { dropped: 2, ..chart }];
+            assert_eq!(GeneralArm { charts: &through, ..bare }.triple(), None);
+            assert_eq!(GeneralArm { prismatic: &[false; 7], given: &[2], ..bare }.triple(), None);
+        }
+    }
 }

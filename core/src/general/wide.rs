@@ -237,16 +237,19 @@ pub(super) fn eliminate<const N: usize, const COLUMNS: usize>(a: &mut [[Wide; CO
                 (at, greatest) = (r, size);
             }
         }
-        a.swap(k, at.min(N - 1));
-        if at != k {
+        let Some((head, tail)) = a.split_at_mut_checked(k + 1) else { break };
+        let Some(top) = head.last_mut() else { break };
+        if let Some(row) = at.checked_sub(k + 1).and_then(|below| tail.get_mut(below)) {
+            // Not as a whole: rows are so long that they would be copied by a call.
+            for c in k..COLUMNS {
+                (top[c], row[c]) = (row[c], top[c]);
+            }
             determinant = -determinant;
         }
-        let top = a[k];
         determinant = determinant * top[k];
         let inverse = Wide::ONE / top[k];
         inverses[k] = inverse;
-        for r in k + 1..N {
-            let row = &mut a[r];
+        for row in tail {
             let factor = row[k] * inverse;
             for c in k + 1..COLUMNS {
                 row[c] -= factor * top[c];
@@ -254,12 +257,11 @@ pub(super) fn eliminate<const N: usize, const COLUMNS: usize>(a: &mut [[Wide; CO
         }
     }
     for k in (0..N).rev() {
-        let mut solved = a[k];
+        let Some((above, [solved, ..])) = a.split_at_mut_checked(k) else { break };
         for c in N..COLUMNS {
             solved[c] = solved[c] * inverses[k];
         }
-        a[k] = solved;
-        for row in a.iter_mut().take(k) {
+        for row in above {
             let factor = row[k];
             for c in N..COLUMNS {
                 row[c] -= factor * solved[c];

@@ -193,7 +193,10 @@ impl<'a> Printer<'a> {
             text.line(format!("#[allow({}, reason = \"as the table has it\")]", number::APPROXIMATE));
         }
         text.line("#[rustfmt::skip]");
-        text.line(format!("const {name}: {ty}<'static> = {ty} {{"));
+        // What does not depend on the target is computed when this is compiled.
+        let prepared = chain.given.is_empty() && !chain.charts.is_empty();
+        let bare = if prepared { format!("BARE_{name}") } else { name.to_owned() };
+        text.line(format!("const {bare}: {ty}<'static> = {ty} {{"));
         text.line("    // Rows of [R | p]: before the first joint, between the joints, after the last.");
         text.line("    links: &[");
         for link in &chain.links {
@@ -214,7 +217,14 @@ impl<'a> Printer<'a> {
             ));
         }
         text.line("    ],");
+        text.line("    triple: &None,");
         text.line("};");
+        if prepared {
+            text.line("// With what does not depend on the target.");
+            text.line(format!(
+                "const {name}: {ty}<'static> = {ty} {{ triple: &{bare}.triple(), ..{bare} }};"
+            ));
+        }
     }
 
     /// What is done with a candidate.
