@@ -57,15 +57,16 @@ pub fn compile(text: &str, level: Level) -> Compilation {
     let output = match model {
         Some(model) if !diagnostics.has_errors() => {
             let (mut plan, unsolved) = plan::build(&model);
-            let general = |problem| plan::general(&model, problem).ok();
+            let otherwise =
+                |problem| plan::general(&model, problem).or_else(|_| plan::descents(&model, problem));
             let unsolved: Vec<Unsolved> = unsolved
                 .into_iter()
-                .filter_map(|unsolved| match general(unsolved.problem) {
-                    Some(function) => {
+                .filter_map(|unsolved| match otherwise(unsolved.problem) {
+                    Ok(function) => {
                         plan.functions.push(function);
                         None
                     }
-                    None => Some(unsolved),
+                    Err(refusal) => Some(Unsolved { refusal, ..unsolved }),
                 })
                 .collect();
             for problem in &unsolved {
@@ -73,7 +74,10 @@ pub fn compile(text: &str, level: Level) -> Compilation {
                     diagnostics.push(diagnostic);
                 }
             }
-            let (mut plan, report) = verify::verify_or_else(&model, plan, level, general, &mut diagnostics);
+            let (mut plan, report) = {
+                let next = |failed: &_| plan::next(&model, failed);
+                verify::verify_or_else(&model, plan, level, next, &mut diagnostics)
+            };
             if level != Level::Quick {
                 verify::confirm(&model, &mut plan, level, |function| plan::second(&model, function));
             }
@@ -97,7 +101,9 @@ fn not_solved(model: &Model, unsolved: &Unsolved) -> Option<Diagnostic> {
     let problem = model.problems.get(unsolved.problem?)?;
     let (name, why) = (&problem.name, unsolved.refusal.text());
     let message = format!("there is no `ik_{name}`: {why}");
-    Some(Diagnostic::warning(catalogue::NO_CLOSED_FORM, message).at(problem.span.clone(), "this problem").help(
-        "hold further joints by constraints, or prescribe a target that the joints left can reach one after the other",
-    ))
+    Some(
+        Diagnostic::warning(catalogue::NO_CLOSED_FORM, message)
+            .at(problem.span.clone(), "this problem")
+            .help(unsolved.refusal.help()),
+    )
 }

@@ -5,6 +5,7 @@
 
 mod branch;
 mod constraints;
+mod descents;
 mod dimension;
 /// The interpreter.
 pub mod eval;
@@ -16,10 +17,13 @@ mod inverse;
 mod near;
 mod schedule;
 mod unknowns;
+mod ways;
 
+pub use descents::FollowingChain;
 pub use general::GeneralChain;
 pub use inverse::Unsolved;
 pub use near::Nearly;
+pub use ways::{descents, general, next, second};
 
 /// Every function that the robot has, and the problems that have none.
 pub fn build(model: &crate::model::Model) -> (Plan, Vec<Unsolved>) {
@@ -29,50 +33,6 @@ pub fn build(model: &crate::model::Model) -> (Plan, Vec<Unsolved>) {
     functions.extend(inverse);
     (Plan { constants: constants.into_list(), functions }, unsolved)
 }
-
-/// A function that finds all joints of an inverse problem (an index into `Model::problems`, or the full pose) at once,
-/// for what has no closed form or whose closed form does not stand verification.
-///
-/// # Errors
-/// Why there is none.
-pub fn general(
-    model: &crate::model::Model,
-    problem: Option<usize>,
-) -> Result<Function, crate::symbolic::inverse_kinematics::Refusal> {
-    use crate::symbolic::{inverse_kinematics::Refusal, redundancy};
-    if let Some(index) = problem {
-        let entry = model.problems.get(index).ok_or(Refusal::NotByThisMethod)?;
-        return general::function(model, problem, entry).map(|rated| rated.function);
-    }
-    let excess = model.joints.len().saturating_sub(crate::model::Target::Pose.rows());
-    let choices = if excess == 1 { redundancy::joints(model) } else { Vec::new() };
-    let mut choices = choices.into_iter().take(CHOICES).map(|joint| inverse::full_pose(vec![joint]));
-    let first = choices.next().unwrap_or_else(|| inverse::full_pose(Vec::new()));
-    let rated = choices.fold(general::function(model, None, &first), |found, other| {
-        match (found, general::function(model, None, &other)) {
-            (Ok(found), Ok(other)) if found.badness <= other.badness => Ok(found),
-            (found, Err(_)) => found,
-            (_, other) => other,
-        }
-    });
-    rated.map(|rated| rated.function)
-}
-
-/// A function of the same problem by another method: for a closed form, all joints at once; for those found at once,
-/// another joint first.
-pub fn second(model: &crate::model::Model, function: &Function) -> Option<Function> {
-    let FunctionKind::Inverse(problem) = function.kind else { return None };
-    if let [Step::General { .. }] = function.steps.as_slice() {
-        return general::rotated(function);
-    }
-    let own = problem.and_then(|index| model.problems.get(index)).cloned();
-    let entry = own.unwrap_or_else(|| inverse::full_pose(function.free.clone()));
-    general::function(model, problem, &entry).ok().map(|rated| rated.function)
-}
-
-/// How many joints of an arm with one too many are tried as the one that is given: those behind them hardly take part in
-/// the self-motion.
-const CHOICES: usize = 4;
 
 /// All functions of one robot.
 #[derive(Debug, Clone)]
@@ -195,12 +155,22 @@ impl Function {
             [Step::Near { otherwise, .. }] => otherwise,
             steps => steps,
         };
-        steps.iter().any(|step| matches!(step, Step::General { stage: at, .. } if *at == stage))
+        let all = |step: &Step| match step {
+            Step::General { stage: at, .. } | Step::Descents { stage: at, .. } => *at == stage,
+            _ => false,
+        };
+        steps.iter().any(all)
+    }
+
+    /// Whether a stage finds joints at once that could be taken for a sum of theirs.
+    pub fn finds_few_at_once(&self, stage: usize) -> bool {
+        let few = self.stages.get(stage).is_some_and(|stage| stage.rows.count_ones() <= 3);
+        few && self.searches(stage)
     }
 
     /// Whether its solutions are all searched for at once, without a closed form.
     pub fn is_searched(&self) -> bool {
-        self.steps.iter().any(|step| matches!(step, Step::General { .. }))
+        self.steps.iter().any(|step| matches!(step, Step::General { .. } | Step::Descents { .. }))
     }
 }
 
@@ -263,6 +233,19 @@ pub enum Step {
         /// Values of the chain's given joints (rad or m).
         given: Vec<Scalar>,
         /// The six others, defined inside `body`.
+        roots: Vec<ValueId>,
+        /// What follows for each solution.
+        body: Vec<Step>,
+    },
+    /// All unknowns at once: for every solution that a search finds, the steps of `body`.
+    Descents {
+        /// Which stage.
+        stage: usize,
+        /// The chain.
+        chain: FollowingChain,
+        /// Values of the joints that the caller gives (rad or m).
+        given: Vec<Scalar>,
+        /// The unknowns, defined inside `body`.
         roots: Vec<ValueId>,
         /// What follows for each solution.
         body: Vec<Step>,

@@ -85,26 +85,35 @@ pub fn verify(model: &Model, plan: Plan, level: Level, diagnostics: &mut Diagnos
     verify_or_else(model, plan, level, |_| None, diagnostics)
 }
 
-/// The same; where no function of an inverse problem stands it (an index into `Model::problems`, or the full pose),
-/// `next` is asked for another one.
+/// The same; where no function of an inverse problem stands it, `next` is asked for another one than the last that
+/// failed, and so on.
 pub fn verify_or_else(
     model: &Model,
     mut plan: Plan,
     level: Level,
-    next: impl Fn(Option<usize>) -> Option<Function>,
+    next: impl Fn(&Function) -> Option<Function>,
     diagnostics: &mut Diagnostics,
 ) -> (Plan, Report) {
     let verification = Verification { model, level, reach: model.reach() };
     let passed =
         |report: &Option<FunctionReport>| report.as_ref().is_some_and(|report| report.failure.is_none());
     let mut found = verification.reports(&plan);
-    for function in others(&plan, &found, next) {
-        let needed = |other: &&Function| matches!(other.kind, FunctionKind::Fk | FunctionKind::FkJacobian);
-        let functions = plan.functions.iter().filter(needed);
-        let functions = functions.cloned().chain([function.clone()]).collect();
-        let alone = Plan { constants: plan.constants.clone(), functions };
-        found.push(verification.reports(&alone).pop().flatten());
-        plan.functions.push(function);
+    for mut failed in failed(&plan, &found) {
+        while let Some(function) = next(&failed) {
+            let needed =
+                |other: &&Function| matches!(other.kind, FunctionKind::Fk | FunctionKind::FkJacobian);
+            let functions = plan.functions.iter().filter(needed);
+            let functions = functions.cloned().chain([function.clone()]).collect();
+            let alone = Plan { constants: plan.constants.clone(), functions };
+            let report = verification.reports(&alone).pop().flatten();
+            let stands = passed(&report);
+            found.push(report);
+            plan.functions.push(function.clone());
+            if stands {
+                break;
+            }
+            failed = function;
+        }
     }
     let functions = plan.functions.into_iter().zip(&found);
     let functions = functions.filter(|(_, report)| passed(report)).map(|(function, _)| function).collect();
@@ -141,27 +150,22 @@ fn diagnostic(model: &Model, function: &FunctionReport, failure: &str) -> Diagno
     }
 }
 
-/// Another function for every inverse problem whose functions failed.
-fn others(
-    plan: &Plan,
-    found: &[Option<FunctionReport>],
-    next: impl Fn(Option<usize>) -> Option<Function>,
-) -> Vec<Function> {
+/// Of every inverse problem whose functions failed, the last one.
+fn failed(plan: &Plan, found: &[Option<FunctionReport>]) -> Vec<Function> {
     let passed = |report: &FunctionReport| report.failure.is_none();
     let reports = || found.iter().flatten();
     if !reports().any(|report| report.kind == FunctionKind::Fk && passed(report)) {
         return Vec::new();
     }
-    let mut failed = Vec::new();
+    let mut failed: Vec<Function> = Vec::new();
     for function in &plan.functions {
         let solved = reports().any(|report| report.kind == function.kind && passed(report));
-        if let (FunctionKind::Inverse(problem), false) = (&function.kind, solved)
-            && !failed.contains(problem)
-        {
-            failed.push(*problem);
+        if let (FunctionKind::Inverse(_), false) = (&function.kind, solved) {
+            failed.retain(|other| other.kind != function.kind);
+            failed.push(function.clone());
         }
     }
-    failed.into_iter().filter_map(next).collect()
+    failed
 }
 
 struct Verification<'m> {

@@ -39,12 +39,15 @@ use crate::Frame;
 pub use chart::Chart;
 use circuit::Circuit;
 use closer::View;
-use known::Known;
-pub(crate) use known::same;
+pub(crate) use continuum::{Equations, beside, on_curve, rank};
+pub(crate) use jacobian::moved;
+pub(crate) use known::{Known, same};
+pub(crate) use linear::solve;
 use mirror::Mirror;
 use pair::Pair;
 use resultant::Resultant;
-use starts::{MORE, PATIENCE, STARTS, Starts, everywhere};
+pub(crate) use starts::MORE;
+use starts::{PATIENCE, STARTS, Starts, everywhere};
 pub use triple::Triple;
 use wide::{LANES, Wide};
 

@@ -14,7 +14,9 @@ extern crate std;
 
 mod arctangent;
 mod branch;
+mod descents;
 mod error;
+mod evenly;
 mod float;
 mod frame;
 mod general;
@@ -43,6 +45,7 @@ mod unknowns;
 mod windings;
 
 pub use branch::{Branch, BranchBit, BranchWord, NamedBranch};
+pub use descents::RowChain;
 pub use error::{IkError, LengthError};
 pub use float::Float;
 pub use frame::{Frame, rotation_error};

@@ -43,7 +43,7 @@ pub fn polish<const N: usize, S: Float>(
     mut pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
 ) -> Polished<N, S> {
     let per_reach = if reach > S::ZERO && reach.is_finite() { S::ONE / reach } else { S::ONE };
-    let (q, tool) = descend(q, steps, |q| {
+    let (q, tool) = descend(q, steps, S::ZERO, |q| {
         let (tool, mut columns) = pose_and_jacobian(q);
         let [px, py, pz] = sub(target.translation, tool.translation).map(|x| x * per_reach);
         let [wx, wy, wz] = turn(&tool, target);
@@ -60,10 +60,12 @@ pub fn polish<const N: usize, S: Float>(
 }
 
 /// The steps of [`polish`] on any six quantities that are to become 0: `at` gives something to be handed back of the
-/// place, what is missing there, and by how much less with each unknown.
+/// place, what is missing there, and by how much less with each unknown. Where an undamped step would take away less than
+/// the part `least` of the square of what is missing, they lead to no solution, and end.
 pub(crate) fn descend<const N: usize, T, S: Float>(
     q: [S; N],
     steps: usize,
+    least: S,
     mut at: impl FnMut(&[S; N]) -> (T, [S; 6], [[S; 6]; N]),
 ) -> ([S; N], T) {
     let mut here = State::new(q, &mut at);
@@ -75,6 +77,9 @@ pub(crate) fn descend<const N: usize, T, S: Float>(
         }
         let step = damped_step(&here.columns, here.error, (damping * here.cost).sqrt());
         if step.iter().all(|change| change.abs() <= S::EPSILON) {
+            break;
+        }
+        if damping <= S::ONE && here.gains(&step) < least {
             break;
         }
         let mut moved = here.q;
@@ -109,6 +114,15 @@ impl<const N: usize, T, S: Float> State<N, T, S> {
     fn new(q: [S; N], at: &mut impl FnMut(&[S; N]) -> (T, [S; 6], [[S; 6]; N])) -> Self {
         let (place, error, columns) = at(&q);
         Self { q, place, columns, error, cost: square(&error) }
+    }
+
+    /// The part of what is missing that a step takes away, if the equations were linear.
+    fn gains(&self, step: &[S; N]) -> S {
+        let mut rest = self.error;
+        for (column, change) in self.columns.iter().zip(step) {
+            rest.iter_mut().zip(column).for_each(|(rest, own)| *rest -= *own * *change);
+        }
+        S::ONE - square(&rest) / self.cost
     }
 }
 

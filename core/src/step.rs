@@ -17,6 +17,8 @@ pub struct Step {
     pub measure: Measure,
     /// Whether the sign of its root is a part of a solution's [`Branch`](crate::Branch).
     pub signed: bool,
+    /// Whether its rows are unknowns of their own, found at once, and not one that is their sum.
+    pub at_once: bool,
 }
 
 /// Dimension of an equation: of its right-hand side and of each of its terms.
@@ -47,7 +49,14 @@ impl Measure {
 impl Step {
     /// A step whose root, of two, has a sign.
     pub const fn new(index: u8, rows: u32, prismatic: bool, measure: Measure) -> Self {
-        Self { index, rows, prismatic, measure, signed: true }
+        let at_once = rows.count_ones() > MOST_AS_ONE;
+        Self { index, rows, prismatic, measure, signed: true, at_once }
+    }
+
+    /// The same; its rows are unknowns of their own. More than three always are.
+    #[must_use]
+    pub const fn at_once(self) -> Self {
+        Self { at_once: true, ..self }
     }
 
     /// The same; which of two roots it takes says nothing of the solution.
@@ -72,15 +81,14 @@ impl Step {
     }
 }
 
-/// `step 2 (theta2 + theta3)`, counted from 1.
-/// A sum of more joints than this is no unknown of a step.
+/// More rows than this turn as one nowhere.
 const MOST_AS_ONE: u32 = 3;
 
+/// `step 2 (theta2 + theta3)`, counted from 1.
 impl fmt::Display for Step {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "step {} (", u32::from(self.index) + 1)?;
-        // More than that turn as one nowhere: they are found at once.
-        let at_once = self.rows.count_ones() > MOST_AS_ONE;
+        let at_once = self.at_once && self.rows.count_ones() > 1;
         let (symbol, between) = match (at_once, self.prismatic) {
             (true, _) => ("", ", "),
             (false, true) => ("d", " + "),

@@ -162,6 +162,31 @@ impl<S: Float> Target<S> {
         })
     }
 
+    /// The same in f64.
+    pub(crate) fn in_f64(&self) -> Target {
+        let three = |v: &[S; 3]| v.map(Float::to_f64);
+        let two = |v: &[S; 2]| v.map(Float::to_f64);
+        let rows = |rotation: &[[S; 3]; 3]| rotation.map(|row| row.map(Float::to_f64));
+        match self {
+            Self::Pose(frame) => Target::Pose(frame.in_f64()),
+            Self::Position(position) => Target::Position(three(position)),
+            Self::PositionDirection { position, direction } => {
+                Target::PositionDirection { position: three(position), direction: three(direction) }
+            }
+            Self::PositionYaw { position, yaw } => {
+                Target::PositionYaw { position: three(position), yaw: yaw.to_f64() }
+            }
+            Self::Rotation(rotation) => Target::Rotation(rows(rotation)),
+            Self::Direction(direction) => Target::Direction(three(direction)),
+            Self::Ray { position, direction } => {
+                Target::Ray { position: three(position), direction: three(direction) }
+            }
+            Self::Lookat(position) => Target::Lookat(three(position)),
+            Self::Xy(position) => Target::Xy(two(position)),
+            Self::XyYaw { position, yaw } => Target::XyYaw { position: two(position), yaw: yaw.to_f64() },
+        }
+    }
+
     /// The target of this kind that a tool frame meets; of a line its point is the tool point, and so is what it looks at.
     pub fn of_frame(kind: TargetKind, tool: &Frame<S>) -> Self {
         let (position, direction) = (tool.translation, tool.z_axis());
@@ -274,6 +299,14 @@ impl<S> Deref for Numbers<S> {
 }
 
 impl<S: Float> Frame<S> {
+    /// The same in f64.
+    pub(crate) fn in_f64(&self) -> Frame {
+        Frame {
+            rotation: self.rotation.map(|row| row.map(Float::to_f64)),
+            translation: self.translation.map(Float::to_f64),
+        }
+    }
+
     /// The frame with the last decimals of its rotation put right, see [`Target::validate`].
     pub(crate) fn validated(&self) -> Result<Self, IkError<S>> {
         // Those of the rotation are found out by `rigid`.

@@ -59,8 +59,10 @@ fn given(robot: &Robot, function: &Function) -> String {
 
 /// By which method.
 fn way(function: &Function) -> &'static str {
-    if near(function).is_some() {
-        return "as the arm that was meant, corrected";
+    match function.steps.as_slice() {
+        [Step::Near { .. }] => return "as the arm that was meant, corrected",
+        [Step::Descents { .. }] => return "by a search from many places",
+        _ => {}
     }
     match general(&function.steps) {
         Some(chain) if chain.charts.is_empty() => "by Newton's method from many places",
@@ -84,6 +86,9 @@ fn why(robot: &Robot, function: &Function) -> String {
         return format!(
             "solved as {meant}; each solution is brought to the table as written by Newton's method; near singular poses also from poses around, and by a polynomial in one joint"
         );
+    }
+    if let [Step::Descents { .. }] = function.steps.as_slice() {
+        return "no order of steps with one unknown each was found, nor a chain of six joints with one pose; nothing proves that the search finds all solutions".to_owned();
     }
     let problem = match function.kind {
         FunctionKind::Inverse(Some(index)) => model.problems.get(index),
@@ -131,7 +136,11 @@ fn general(steps: &[Step]) -> Option<&GeneralChain> {
     steps.iter().find_map(|step| match step {
         Step::General { chain, .. } => Some(chain),
         Step::Solve { body, .. } => general(body),
-        Step::Near { .. } | Step::Let { .. } | Step::SinCos { .. } | Step::Accept { .. } => None,
+        Step::Descents { .. }
+        | Step::Near { .. }
+        | Step::Let { .. }
+        | Step::SinCos { .. }
+        | Step::Accept { .. } => None,
     })
 }
 
@@ -191,6 +200,10 @@ fn roots(steps: &[Step]) -> Vec<usize> {
                 let most =
                     chain.charts.first().map_or(MAX_SOLUTIONS, |c| 2 * usize::from(c.degree_of_turn()));
                 found.push(most.min(MAX_SOLUTIONS));
+                found.extend(roots(body));
+            }
+            Step::Descents { body, .. } => {
+                found.push(MAX_SOLUTIONS);
                 found.extend(roots(body));
             }
             Step::Near { body, otherwise, .. } => {

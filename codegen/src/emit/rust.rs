@@ -5,6 +5,7 @@
 //! `unsafe`, and is laid out as rustfmt would do it.
 
 mod body;
+mod chains;
 mod documentation;
 mod expression;
 mod functions;

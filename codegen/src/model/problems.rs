@@ -33,6 +33,17 @@ const TARGETS: [(&str, Target); 10] = [
 ];
 
 impl Target {
+    /// All of them.
+    pub(crate) const ALL: [Self; TARGETS.len()] = {
+        let mut all = [Self::Pose; TARGETS.len()];
+        let mut place = 0;
+        while place < all.len() {
+            all[place] = TARGETS[place].1;
+            place += 1;
+        }
+        all
+    };
+
     /// How many rows it prescribes.
     pub fn rows(self) -> usize {
         match self {

@@ -45,6 +45,12 @@ impl Function {
                     }
                     self.walk(body, model, constants, dimensions);
                 }
+                Step::Descents { chain, roots, body, .. } => {
+                    for (root, turns) in roots.iter().zip(&chain.turns) {
+                        set(dimensions, *root, u8::from(*turns == 0));
+                    }
+                    self.walk(body, model, constants, dimensions);
+                }
                 Step::Near { body, otherwise, .. } => {
                     self.walk(body, model, constants, dimensions);
                     self.walk(otherwise, model, constants, dimensions);

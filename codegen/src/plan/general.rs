@@ -2,6 +2,8 @@
 
 mod charts;
 
+pub(super) use charts::Random;
+
 use super::{
     Counts, Form, Function, FunctionKind, Measure, Scalar, Stage, Step, ValueId, target_inputs, unknowns,
 };
@@ -160,7 +162,7 @@ fn name(joint: &GeneralJoint, behind: &mut usize) -> String {
     format!("tool{behind}")
 }
 
-fn sum(form: &Linear, value: impl Fn(usize) -> Scalar) -> Scalar {
+pub(super) fn sum(form: &Linear, value: impl Fn(usize) -> Scalar) -> Scalar {
     let mut sum: Option<Scalar> = None;
     for &(place, factor) in &form.terms {
         let (size, negative) = (factor.abs(), factor < 0.0);

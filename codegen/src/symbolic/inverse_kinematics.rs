@@ -16,6 +16,8 @@ pub mod general;
 mod polynomial;
 mod reading;
 mod roots;
+/// Problems of any kind as chains whose rows follow a few unknowns.
+pub mod rows;
 mod samples;
 mod search;
 mod tool;
@@ -150,17 +152,57 @@ pub enum Refusal {
     NotByThisMethod,
     /// A row follows others by a factor that isn't a whole number, or mixes angles and lengths.
     Coupling,
+    /// At every pose the joints leave some of what the target prescribes unmoved.
+    Singular {
+        /// The joints that are left to move.
+        joints: Vec<String>,
+        /// In so many ways they move what is prescribed.
+        ways: usize,
+        /// What is prescribed.
+        target: Target,
+        /// Targets that they could meet.
+        suiting: Vec<Target>,
+    },
 }
 
 impl Refusal {
     /// In words, for a diagnostic.
-    pub fn text(&self) -> &'static str {
+    pub fn text(&self) -> String {
         match self {
-            Self::NoClosedForm => "no order of steps with one unknown each solves it in closed form",
-            Self::NotByThisMethod => "this target isn't solved in closed form",
+            Self::NoClosedForm => "no order of steps with one unknown each solves it in closed form".to_owned(),
+            Self::NotByThisMethod => "this target isn't solved in closed form".to_owned(),
             Self::Coupling => {
-                "a joint follows another by a factor that is no whole number, so that its whole turns cannot be told apart"
+                "a joint follows another by a factor that is no whole number, so that its whole turns cannot be told apart".to_owned()
             }
+            Self::Singular { joints, ways, target, .. } => {
+                let (name, rows) = (target.name(), target.rows());
+                let moves = match joints.as_slice() {
+                    [one] => format!("{one} moves"),
+                    [others @ .., last] => format!("{} and {last} move", others.join(", ")),
+                    [] => "no joint moves".to_owned(),
+                };
+                format!(
+                    "at every pose {moves} the tool in {ways} of the {rows} ways that `{name}` prescribes, so that a target has a curve of solutions or none"
+                )
+            }
+        }
+    }
+
+    /// What to write instead.
+    pub fn help(&self) -> String {
+        match self {
+            Self::Singular { suiting, .. } if !suiting.is_empty() => {
+                let names: Vec<_> = suiting.iter().map(|target| format!("`{}`", target.name())).collect();
+                format!("these joints can meet another target: {}", names.join(", "))
+            }
+            Self::Singular { joints, ways, .. } => {
+                let more = joints.len().saturating_sub(*ways);
+                format!(
+                    "hold {more} of them, or leave {more} to the caller (`free`), and prescribe a target with {ways} row{}",
+                    if *ways == 1 { "" } else { "s" }
+                )
+            }
+            _ => "hold further joints by constraints, or prescribe a target that the joints left can reach one after the other".to_owned(),
         }
     }
 }

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::model::{self, Model};
 use crate::plan::eval::{Given, Program};
-use dh_core::{Target, Winding};
+use dh_core::{MAX_SOLUTIONS, Target, Winding};
 use std::cell::OnceCell;
 
 /// Step of the finite differences (rad or m): their error is then some 1e-10, far below [`SINGULAR`].
@@ -83,7 +83,17 @@ impl Inverse<'_> {
             return Ok(());
         };
         inverse.count(solutions.len());
-        if allowed { original(nearest, smallest, inverse) } else { Ok(()) }
+        if !allowed {
+            return Ok(());
+        }
+        let full = answer.as_ref().is_ok_and(|solutions| solutions.dropped() > 0);
+        original(nearest, smallest, inverse).map_err(|failure| {
+            if full {
+                format!("there are more than {MAX_SOLUTIONS} solutions, as many as are kept: {failure}")
+            } else {
+                failure
+            }
+        })
     }
 
     /// One returned solution: target, constraints and `where`.

@@ -12,7 +12,7 @@ fn scalars<'p>(steps: &'p mut [Step], found: &mut Vec<&'p mut Scalar>) {
         match step {
             Step::Let { value, .. } => found.push(value),
             Step::SinCos { angle, .. } => found.push(angle),
-            Step::General { given, body, .. } => {
+            Step::General { given, body, .. } | Step::Descents { given, body, .. } => {
                 found.extend(given);
                 scalars(body, found);
             }

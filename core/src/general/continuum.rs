@@ -1,4 +1,4 @@
-//! Solutions that form a curve: the arm moves, its tip stays.
+//! Solutions that form a curve: the unknowns move, what is prescribed stays.
 
 use super::jacobian::pose_and_jacobian;
 use super::{FOUND, JOINTS, SixJoints};
@@ -30,62 +30,93 @@ const STEPS: usize = 40;
 /// The nearest point is found when the next step is shorter than this (rad, reaches).
 const ARRIVED: f64 = 1e-10;
 
+/// What is to be kept along a curve, in `K` unknowns (rad, reaches).
+pub(crate) trait Equations<const K: usize> {
+    /// How what is prescribed changes with each unknown (reaches, rad).
+    fn columns(&self, q: &[f64; K]) -> [[f64; 6]; K];
+
+    /// The solution downhill from values of the unknowns.
+    fn onto(&self, q: &[f64; K]) -> Option<[f64; K]>;
+
+    /// Whether an unknown is a length.
+    fn slides(&self, place: usize) -> bool;
+}
+
 /// A point of a curve of solutions.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct OnCurve {
-    /// Joint values (rad, m).
-    pub(crate) q: [f64; JOINTS],
-    /// The joint that takes the greatest part.
+pub(crate) struct OnCurve<const K: usize> {
+    /// Values of the unknowns.
+    pub(crate) q: [f64; K],
+    /// The one that takes the greatest part.
     pub(crate) joint: usize,
 }
 
+/// Where solutions form a curve through this one: the point of it, downhill from here, that is nearest to what is wanted
+/// (NaN where nothing is), or from there on until the unknown that takes the greatest part has gone so many half turns
+/// (reaches).
+pub(crate) fn on_curve<const K: usize>(
+    equations: &impl Equations<K>,
+    start: &[f64; K],
+    wanted: &[f64; K],
+    aside: f64,
+) -> Option<OnCurve<K>> {
+    let curve = Curve(equations);
+    let directions = curve.directions(start);
+    let tangent = *directions.as_slice().iter().find(|direction| curve.goes_on(start, direction))?;
+    let mut q = curve.nearest(*start, wanted);
+    let joint = greatest(&curve.tangent(&q).unwrap_or(tangent));
+    if aside != 0.0 {
+        q = curve.along(q, joint, aside * if equations.slides(joint) { 1.0 } else { core::f64::consts::PI });
+    }
+    Some(OnCurve { q, joint })
+}
+
+/// In how many ways unknowns change what is prescribed, to first order.
+pub(crate) fn rank<const K: usize>(columns: &[[f64; 6]; K]) -> usize {
+    K - null_space(columns, SINGULAR).count
+}
+
+/// Places beside a solution where another one may be that it nearly meets: such solutions lie along a direction in which
+/// what is prescribed hardly changes.
+pub(crate) fn beside<const K: usize>(
+    q: &[f64; K],
+    columns: &[[f64; 6]; K],
+) -> impl Iterator<Item = [f64; K]> + use<K> {
+    let (q, Directions { list, count }) = (*q, null_space(columns, WEAK));
+    let ways = list.into_iter().take(count);
+    ways.flat_map(move |way| BESIDE.map(|length| moved(&q, &way, length)))
+}
+
 impl SixJoints<'_> {
-    /// Where solutions for a pose form a curve through this one (rad, m): the point of it, downhill from here, that is
-    /// nearest to what is wanted (rad, m; NaN where nothing is), or from there on until the joint that takes the greatest
-    /// part has gone so many half turns (reaches).
+    /// [`on_curve`] of solutions (rad, m) for a pose.
     pub(crate) fn on_curve(
         &self,
         pose: &Frame,
         q: &[f64; JOINTS],
         wanted: &[f64; JOINTS],
         aside: f64,
-    ) -> Option<OnCurve> {
-        let curve = Curve { arm: self.scaled(), target: self.in_reaches(pose) };
+    ) -> Option<OnCurve<JOINTS>> {
+        let equations = Pose { arm: self.scaled(), target: self.in_reaches(pose) };
         let in_reaches = |q: &[f64; JOINTS]| {
             let mut q = *q;
             self.each_slide(&mut q, |value| value / self.reach);
             q
         };
-        let start = in_reaches(q);
-        let directions = curve.directions(&start);
-        let tangent = *directions.as_slice().iter().find(|direction| curve.goes_on(&start, direction))?;
-        let mut q = curve.nearest(start, &in_reaches(wanted));
-        let joint = greatest(&curve.tangent(&q).unwrap_or(tangent));
-        if aside != 0.0 {
-            q = curve.along(q, joint, aside * if self.slides(joint) { 1.0 } else { core::f64::consts::PI });
-        }
-        self.each_slide(&mut q, |value| value * self.reach);
-        Some(OnCurve { q, joint })
+        let mut found = on_curve(&equations, &in_reaches(q), &in_reaches(wanted), aside)?;
+        self.each_slide(&mut found.q, |value| value * self.reach);
+        Some(found)
     }
 
     /// Whether joints may move by themselves there (rad, m), to first order.
     pub fn is_singular(&self, q: &[f64; JOINTS]) -> bool {
         let mut q = *q;
         self.each_slide(&mut q, |value| value / self.reach);
-        null_space(&pose_and_jacobian(&self.scaled(), &q).1, SINGULAR).count > 0
+        rank(&pose_and_jacobian(&self.scaled(), &q).1) < JOINTS
     }
 
-    /// Places beside a solution, all in reaches, where another one may be that it nearly meets: such solutions lie along a
-    /// direction in which the tip hardly moves.
+    /// [`beside`] of a solution, all in reaches.
     pub(super) fn beside(&self, q: &[f64; JOINTS]) -> impl Iterator<Item = [f64; JOINTS]> + use<> {
-        let (q, weak) = (*q, null_space(&pose_and_jacobian(self, q).1, WEAK));
-        let Directions { list, count } = weak;
-        let ways = list.into_iter().take(count);
-        ways.flat_map(move |way| BESIDE.map(|length| moved(&q, &way, length)))
-    }
-
-    fn slides(&self, joint: usize) -> bool {
-        self.prismatic.get(joint).copied().unwrap_or(false)
+        beside(q, &pose_and_jacobian(self, q).1)
     }
 
     pub(super) fn each_slide(&self, q: &mut [f64; JOINTS], change: impl Fn(f64) -> f64) {
@@ -94,53 +125,64 @@ impl SixJoints<'_> {
     }
 }
 
-/// Joint values, in rad and reaches, that keep a pose.
-struct Curve<'a> {
+/// That the tip of six joints has a pose; lengths are reaches.
+struct Pose<'a> {
     arm: SixJoints<'a>,
     target: Frame,
 }
 
-impl Curve<'_> {
-    /// Directions in which the tip stays, to first order.
-    fn directions(&self, q: &[f64; JOINTS]) -> Directions {
-        null_space(&pose_and_jacobian(&self.arm, q).1, SINGULAR)
+impl Equations<JOINTS> for Pose<'_> {
+    fn columns(&self, q: &[f64; JOINTS]) -> [[f64; 6]; JOINTS] {
+        pose_and_jacobian(&self.arm, q).1
     }
 
-    /// One of them.
-    fn tangent(&self, q: &[f64; JOINTS]) -> Option<[f64; JOINTS]> {
-        self.directions(q).as_slice().first().copied()
-    }
-
-    /// The solution near joint values.
     fn onto(&self, q: &[f64; JOINTS]) -> Option<[f64; JOINTS]> {
         let solution = polish(*q, &self.target, 1.0, STEPS, |q| pose_and_jacobian(&self.arm, q));
         (solution.position_error <= FOUND && solution.rotation_error <= FOUND).then_some(solution.q)
     }
 
+    fn slides(&self, place: usize) -> bool {
+        self.arm.prismatic.get(place).copied().unwrap_or(false)
+    }
+}
+
+/// A curve of solutions, or a surface.
+struct Curve<'e, const K: usize, E>(&'e E);
+
+impl<const K: usize, E: Equations<K>> Curve<'_, K, E> {
+    /// Directions in which what is prescribed stays, to first order.
+    fn directions(&self, q: &[f64; K]) -> Directions<K> {
+        null_space(&self.0.columns(q), SINGULAR)
+    }
+
+    /// One of them.
+    fn tangent(&self, q: &[f64; K]) -> Option<[f64; K]> {
+        self.directions(q).as_slice().first().copied()
+    }
+
     /// The solution a step along the curve, unless there is none or it is the same again.
-    fn step(&self, q: &[f64; JOINTS], tangent: &[f64; JOINTS], length: f64) -> Option<[f64; JOINTS]> {
-        let next = self.onto(&moved(q, tangent, length))?;
+    fn step(&self, q: &[f64; K], tangent: &[f64; K], length: f64) -> Option<[f64; K]> {
+        let next = self.0.onto(&moved(q, tangent, length))?;
         let gone = difference(&next, q);
         (dot(&gone, tangent) * length >= 0.5 * length * length).then_some(next)
     }
 
     /// Whether there are solutions at several distances, on one side or the other.
-    fn goes_on(&self, q: &[f64; JOINTS], tangent: &[f64; JOINTS]) -> bool {
+    fn goes_on(&self, q: &[f64; K], tangent: &[f64; K]) -> bool {
         [1.0, -1.0]
             .iter()
             .any(|side| TRIALS.iter().all(|length| self.step(q, tangent, side * length).is_some()))
     }
 
-    /// Downhill from a point of the curve, or of the surface where joints may move by themselves in several ways.
-    fn nearest(&self, start: [f64; JOINTS], wanted: &[f64; JOINTS]) -> [f64; JOINTS] {
+    /// Downhill from a point of the curve, or of the surface where unknowns may move by themselves in several ways.
+    fn nearest(&self, start: [f64; K], wanted: &[f64; K]) -> [f64; K] {
         let mut q = start;
         // The whole turns that are nearest to what is wanted.
-        let turns = q
-            .iter_mut()
-            .zip(wanted)
-            .zip(self.arm.prismatic)
-            .filter(|((_, wanted), slides)| !slides && wanted.is_finite());
-        turns.for_each(|((value, wanted), _)| *value = wanted + (*value - wanted).wrap_angle());
+        for (place, (value, wanted)) in q.iter_mut().zip(wanted).enumerate() {
+            if !self.0.slides(place) && wanted.is_finite() {
+                *value = wanted + (*value - wanted).wrap_angle();
+            }
+        }
         let mut longest = LONGEST;
         for _ in 0..MOST {
             let missing = missing(&q, wanted);
@@ -150,8 +192,8 @@ impl Curve<'_> {
                 break;
             }
             let share = Float::min(longest / slope, 1.0);
-            let next = self.onto(&moved(&q, &downhill, share));
-            let nearer = |next: &[f64; JOINTS]| square(&self::missing(next, wanted)) < square(&missing);
+            let next = self.0.onto(&moved(&q, &downhill, share));
+            let nearer = |next: &[f64; K]| square(&self::missing(next, wanted)) < square(&missing);
             match next.filter(nearer) {
                 Some(next) => q = next,
                 None => longest = share * slope / 4.0,
@@ -160,9 +202,9 @@ impl Curve<'_> {
         q
     }
 
-    /// From a point of the curve until a joint has gone this far (rad, reaches), or the curve turns back.
-    fn along(&self, start: [f64; JOINTS], joint: usize, distance: f64) -> [f64; JOINTS] {
-        let own = |q: &[f64; JOINTS]| q.get(joint).copied().unwrap_or(0.0);
+    /// From a point of the curve until an unknown has gone this far (rad, reaches), or the curve turns back.
+    fn along(&self, start: [f64; K], joint: usize, distance: f64) -> [f64; K] {
+        let own = |q: &[f64; K]| q.get(joint).copied().unwrap_or(0.0);
         let (mut q, from) = (start, own(&start));
         for _ in 0..MOST {
             let left = distance - (own(&q) - from);
@@ -175,53 +217,53 @@ impl Curve<'_> {
     }
 }
 
-fn dot(a: &[f64; JOINTS], b: &[f64; JOINTS]) -> f64 {
+fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-fn square(a: &[f64; JOINTS]) -> f64 {
+fn square<const N: usize>(a: &[f64; N]) -> f64 {
     dot(a, a)
 }
 
-/// How far joint values are from what is wanted, where something is.
-fn missing(q: &[f64; JOINTS], wanted: &[f64; JOINTS]) -> [f64; JOINTS] {
+/// How far values are from what is wanted, where something is.
+fn missing<const K: usize>(q: &[f64; K], wanted: &[f64; K]) -> [f64; K] {
     difference(wanted, q).map(|way| if way.is_finite() { way } else { 0.0 })
 }
 
-fn difference(a: &[f64; JOINTS], b: &[f64; JOINTS]) -> [f64; JOINTS] {
+fn difference<const K: usize>(a: &[f64; K], b: &[f64; K]) -> [f64; K] {
     moved(a, b, -1.0)
 }
 
 /// q + length * direction
-fn moved(q: &[f64; JOINTS], direction: &[f64; JOINTS], length: f64) -> [f64; JOINTS] {
+fn moved<const N: usize>(q: &[f64; N], direction: &[f64; N], length: f64) -> [f64; N] {
     let mut q = *q;
     q.iter_mut().zip(direction).for_each(|(value, part)| *value += length * part);
     q
 }
 
 /// The place of the greatest entry.
-fn greatest(direction: &[f64; JOINTS]) -> usize {
+fn greatest<const K: usize>(direction: &[f64; K]) -> usize {
     let sizes = direction.iter().map(|part| libm::fabs(*part)).enumerate();
     sizes.fold((0, 0.0), |best, (place, size)| if size > best.1 { (place, size) } else { best }).0
 }
 
 /// Directions of length 1, across each other.
-struct Directions {
-    list: [[f64; JOINTS]; JOINTS],
+struct Directions<const K: usize> {
+    list: [[f64; K]; K],
     count: usize,
 }
 
-impl Directions {
-    fn as_slice(&self) -> &[[f64; JOINTS]] {
+impl<const K: usize> Directions<K> {
+    fn as_slice(&self) -> &[[f64; K]] {
         self.list.get(..self.count).unwrap_or(&self.list)
     }
 
     /// The part of a vector that is along them.
-    fn part(&self, vector: &[f64; JOINTS]) -> [f64; JOINTS] {
-        self.as_slice().iter().fold([0.0; JOINTS], |sum, own| moved(&sum, own, dot(vector, own)))
+    fn part(&self, vector: &[f64; K]) -> [f64; K] {
+        self.as_slice().iter().fold([0.0; K], |sum, own| moved(&sum, own, dot(vector, own)))
     }
 
-    fn push(&mut self, vector: &[f64; JOINTS]) {
+    fn push(&mut self, vector: &[f64; K]) {
         let across = moved(vector, &self.part(vector), -1.0);
         let length = libm::sqrt(dot(&across, &across));
         if let Some(slot) = self.list.get_mut(self.count) {
@@ -232,16 +274,16 @@ impl Directions {
 }
 
 /// The combinations of columns that are no longer than this, by elimination with the greatest pivot each time.
-fn null_space(columns: &[[f64; 6]; JOINTS], least: f64) -> Directions {
+fn null_space<const K: usize>(columns: &[[f64; 6]; K], least: f64) -> Directions<K> {
     // Column, and the combination of the given ones that it is.
-    let mut open: [([f64; 6], [f64; JOINTS]); JOINTS] = [([0.0; 6], [0.0; JOINTS]); JOINTS];
+    let mut open: [([f64; 6], [f64; K]); K] = [([0.0; 6], [0.0; K]); K];
     for (index, (slot, column)) in open.iter_mut().zip(columns).enumerate() {
         slot.0 = *column;
         if let Some(entry) = slot.1.get_mut(index) {
             *entry = 1.0;
         }
     }
-    let mut directions = Directions { list: [[0.0; JOINTS]; JOINTS], count: 0 };
+    let mut directions = Directions { list: [[0.0; K]; K], count: 0 };
     let mut open = open.as_mut_slice();
     loop {
         let [first, others @ ..] = open else { return directions };

@@ -43,7 +43,7 @@ impl SixJoints<'_> {
 }
 
 /// A frame moved along or about its z axis.
-pub(super) fn moved(frame: &Frame, slides: bool, value: f64) -> Frame {
+pub(crate) fn moved(frame: &Frame, slides: bool, value: f64) -> Frame {
     let Frame { rotation: [[a, b, c], [d, e, f], [g, h, i]], translation: [x, y, z] } = *frame;
     if slides {
         return Frame { translation: [x + c * value, y + f * value, z + i * value], ..*frame };

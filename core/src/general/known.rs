@@ -3,7 +3,7 @@
 use super::{JOINTS, waves};
 
 /// Solutions that were found.
-pub(super) struct Known {
+pub(crate) struct Known {
     list: [[f64; JOINTS]; 2 * waves::MAX_ROOTS],
     len: usize,
     prismatic: [bool; JOINTS],
@@ -19,7 +19,7 @@ const UNDECIDED: f64 = 1e-6;
 
 impl Known {
     /// None yet; two that are nearer than the tolerance are one.
-    pub(super) const fn new(prismatic: [bool; JOINTS], tolerance: f64) -> Self {
+    pub(crate) const fn new(prismatic: [bool; JOINTS], tolerance: f64) -> Self {
         let list = [[0.0; JOINTS]; 2 * waves::MAX_ROOTS];
         Self { list, len: 0, prismatic, tolerance, excess: 0, undecided: 0 }
     }
@@ -30,19 +30,24 @@ impl Known {
     }
 
     /// The solution at this place.
-    pub(super) fn get(&self, place: usize) -> Option<[f64; JOINTS]> {
+    pub(crate) fn get(&self, place: usize) -> Option<[f64; JOINTS]> {
         self.list.get(place).filter(|_| place < self.len).copied()
     }
 
     /// Whether some must be missing: as a target goes out of reach its solutions vanish in pairs, of determinants of either sign.
-    pub(super) const fn is_lopsided(&self) -> bool {
+    pub(crate) const fn is_lopsided(&self) -> bool {
         self.excess.abs() > self.undecided
     }
 
-    /// Whether it is new, and there is room for it.
-    pub(super) fn insert(&mut self, solution: &[f64; JOINTS], determinant: f64) -> bool {
+    /// Whether it was found before.
+    pub(crate) fn contains(&self, solution: &[f64; JOINTS]) -> bool {
         let mut known = self.list.iter().take(self.len);
-        if known.any(|other| same(other, solution, self.prismatic, self.tolerance)) {
+        known.any(|other| same(other, solution, self.prismatic, self.tolerance))
+    }
+
+    /// Whether it is new, and there is room for it.
+    pub(crate) fn insert(&mut self, solution: &[f64; JOINTS], determinant: f64) -> bool {
+        if self.contains(solution) {
             return false;
         }
         let Some(place) = self.list.get_mut(self.len) else { return false };

@@ -59,7 +59,7 @@ fn swap(row: &mut [f64], i: usize, j: usize) {
 /// Solves `N` equations with `M` right-hand sides, `N` + `M` = `COLUMNS`, in place: the solutions are in the last
 /// columns then. Returns the determinant, 0 where a pivot vanishes.
 #[inline]
-pub(super) fn solve<const N: usize, const COLUMNS: usize>(a: &mut [[f64; COLUMNS]; N]) -> f64 {
+pub(crate) fn solve<const N: usize, const COLUMNS: usize>(a: &mut [[f64; COLUMNS]; N]) -> f64 {
     let mut determinant = 1.0;
     let mut inverses = [0.0; N];
     for k in 0..N {

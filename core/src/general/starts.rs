@@ -2,6 +2,7 @@
 
 use super::JOINTS;
 use super::wide::LANES;
+use crate::evenly::evenly;
 
 /// Where the equations say little, Newton's method is started from so many places and, for each solution that is known,
 /// [`PATIENCE`] more, until none of them has led to a new one; but not from more than [`MOST_STARTS`].
@@ -9,19 +10,11 @@ pub(super) const STARTS: usize = 48;
 pub(super) const PATIENCE: usize = 8;
 const MOST_STARTS: u32 = 2048;
 /// So many times as many, where there is nothing else, or some must be missing.
-pub(super) const MORE: usize = 8;
+pub(crate) const MORE: usize = 8;
 
-/// Joint values (rad, reaches) that fill the joint space evenly: multiples of the powers of 1/g, with g^7 = g + 1, that
-/// generalises the golden section \[Roberts 2018, The unreasonable effectiveness of quasirandom sequences\].
+/// Joint values (rad, reaches) that fill the joint space evenly.
 pub(super) fn everywhere() -> impl Iterator<Item = [f64; JOINTS]> {
-    const INVERSE: f64 = 0.898_653_712_628_699_3;
-    (1..=MOST_STARTS).map(|k| {
-        let mut power = f64::from(k);
-        [0; JOINTS].map(|_| {
-            power *= INVERSE;
-            core::f64::consts::TAU * (power - libm::floor(power) - 0.5)
-        })
-    })
+    (1..=MOST_STARTS).map(|number| evenly::<f64>(number, JOINTS).map(|part| core::f64::consts::TAU * part))
 }
 
 /// Some places.

@@ -1,6 +1,6 @@
 //! Tool frames that meet a target, with what it leaves open drawn evenly.
 
-use crate::unknowns::evenly;
+use crate::evenly::evenly;
 use crate::{Float, Frame, Target};
 
 /// The frame of this number. Lengths that are left open go as far as `reach` (m) about `middle`.

@@ -152,7 +152,7 @@ impl<'s, S: Float> Search<'s, S> {
 
     /// The values of the unknowns downhill from others, and the tool frame there.
     fn onto(&self, unknowns: &Unknowns<S>, start: &[S; UNKNOWNS]) -> ([S; UNKNOWNS], Frame<S>) {
-        descend(*start, STEPS, |x| self.at(unknowns, x))
+        descend(*start, STEPS, S::ZERO, |x| self.at(unknowns, x))
     }
 
     fn at(&self, unknowns: &Unknowns<S>, x: &[S; UNKNOWNS]) -> Place<S> {

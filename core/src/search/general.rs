@@ -1,6 +1,7 @@
 //! Chains without a closed form: all joints at once.
 
 use super::Search;
+use crate::descents::{Found, RowChain};
 use crate::general::{GeneralArm, JOINTS, SixJoints, same};
 use crate::{Float, Frame, IkError, MAX_SOLUTIONS, Step, Target};
 
@@ -23,7 +24,7 @@ pub struct Candidates {
     next: usize,
 }
 
-/// Values of six joints, and which of them is free.
+/// Values of the unknowns, and which of them is free.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Candidate {
     q: [f64; JOINTS],
@@ -85,10 +86,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let (Some(pose), Some(six)) = (target.frame(), arm.six(&values)) else {
             return candidates;
         };
-        let pose = Frame {
-            rotation: pose.rotation.map(|row| row.map(Float::to_f64)),
-            translation: pose.translation.map(Float::to_f64),
-        };
+        let pose = pose.in_f64();
         // Angles are compared in rad, slides in m.
         let scale = if arm.reach < 1.0 { arm.reach } else { 1.0 };
         let behind = JOINTS.saturating_sub(step.rows.count_ones() as usize);
@@ -114,6 +112,45 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         candidates
     }
 
+    /// The values (rad, m) of the unknowns of a chain whose rows follow them, for any target: all that descents from many
+    /// places find. Computed in f64.
+    ///
+    /// Of solutions that form a curve, those points are returned that are nearest to what is wanted.
+    pub fn descents(
+        &mut self,
+        step: Step,
+        chain: &RowChain<'_>,
+        target: &Target<S>,
+        given: &[S],
+    ) -> Candidates {
+        let _ = self.begin(step);
+        let mut candidates = Candidates::none(step);
+        let mut values = [0.0; crate::MAX_JOINTS];
+        values.iter_mut().zip(given).for_each(|(value, given)| *value = given.to_f64());
+        let given = values.get(..given.len()).unwrap_or(&values);
+        let (wanted, aside) = self.wanted_of_all();
+        // Rounding to S leaves rotations and directions that f64 can tell from such.
+        let target = target.in_f64();
+        let target = target.validate().unwrap_or(target);
+        let least = chain.solve(&target, given, (&wanted, aside), &mut |found| {
+            let Found { x: q, free, determinant } = *found;
+            candidates.push(Candidate { q, free, minus: determinant < 0.0 });
+        });
+        if candidates.is_empty() {
+            let excess = S::from_f64(least);
+            self.fail_step(step, excess, IkError::Unreachable { step, excess });
+        }
+        candidates
+    }
+
+    /// What is wanted (rad, m; NaN where nothing is) of unknowns that are found at once, and how far from there.
+    fn wanted_of_all(&self) -> ([f64; JOINTS], f64) {
+        let Some((unknowns, away)) = self.wanted else { return ([0.0; JOINTS], 0.0) };
+        let mut wanted = [f64::NAN; JOINTS];
+        wanted.iter_mut().zip(unknowns).for_each(|(to, from)| *to = from.to_f64());
+        (wanted, away.to_f64())
+    }
+
     /// One point of every curve.
     #[cold]
     #[inline(never)]
@@ -124,12 +161,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         found: &Candidates,
         scale: f64,
     ) -> Candidates {
-        let (mut wanted, mut aside) = ([0.0; JOINTS], 0.0);
-        if let Some((unknowns, away)) = self.wanted {
-            wanted = [f64::NAN; JOINTS];
-            wanted.iter_mut().zip(unknowns).for_each(|(to, from)| *to = from.to_f64());
-            aside = away.to_f64();
-        }
+        let (wanted, aside) = self.wanted_of_all();
         let mut list = Candidates::none(found.step);
         for candidate in found.as_slice() {
             let point = six.on_curve(pose, &candidate.q, &wanted, aside);

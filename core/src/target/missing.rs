@@ -70,6 +70,40 @@ impl<S: Float> Target<S> {
         };
         [px, py, pz, ax, ay, az]
     }
+
+    /// Of what is gained (or missing), as many coordinates as the target has rows, then zeros: of what lies across a
+    /// direction its two coordinates there, in axes that are right-handed with it.
+    pub(crate) fn coordinates(&self, tool: &Frame<S>, [px, py, pz, ax, ay, az]: &[S; 6]) -> [S; 6] {
+        let (linear, angular) = ([*px, *py, *pz], [*ax, *ay, *az]);
+        let flat = |direction: [S; 3], vector: [S; 3]| {
+            let first = perpendicular(direction);
+            [dot(first, vector), dot(cross(direction, first), vector)]
+        };
+        let none = S::ZERO;
+        match self {
+            Self::Pose(_) => [*px, *py, *pz, *ax, *ay, *az],
+            Self::Position(_) | Self::Xy(_) => [*px, *py, *pz, none, none, none],
+            Self::PositionDirection { direction, .. } => {
+                let [a, b] = flat(*direction, angular);
+                [*px, *py, *pz, a, b, none]
+            }
+            Self::PositionYaw { .. } => [*px, *py, *pz, *ax, none, none],
+            Self::Rotation(_) => [*ax, *ay, *az, none, none, none],
+            Self::Direction(direction) => {
+                let [a, b] = flat(*direction, angular);
+                [a, b, none, none, none, none]
+            }
+            Self::Ray { direction, .. } => {
+                let ([a, b], [c, d]) = (flat(*direction, linear), flat(*direction, angular));
+                [a, b, c, d, none, none]
+            }
+            Self::Lookat(_) => {
+                let [a, b] = flat(tool.z_axis(), linear);
+                [a, b, none, none, none, none]
+            }
+            Self::XyYaw { .. } => [*px, *py, *ax, none, none, none],
+        }
+    }
 }
 
 /// The turn from one direction to another: its axis, as long as its angle (rad).

@@ -2,4 +2,5 @@
 
 mod drawn;
 mod near;
+mod searched;
 mod shipped;

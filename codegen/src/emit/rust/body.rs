@@ -7,6 +7,9 @@ use super::names::Names;
 use super::text::{Text, clean};
 use crate::plan::{Equation, Function, FunctionKind, Scalar, Stage, Step, ValueId};
 
+/// A kernel that finds all unknowns at once gives so many numbers.
+const AT_ONCE: usize = 6;
+
 /// A function under print.
 pub(super) struct Body<'a> {
     pub(super) function: &'a Function,
@@ -86,7 +89,8 @@ impl Body<'_> {
                     text.append(&nested.into_string());
                     text.line("}");
                 }
-                Step::General { stage, given, roots, body, .. } => {
+                Step::General { stage, given, roots, body, .. }
+                | Step::Descents { stage, given, roots, body, .. } => {
                     text.gap();
                     if let Some(stage) = self.function.stages.get(*stage) {
                         explain(text, stage);
@@ -101,10 +105,13 @@ impl Body<'_> {
                         &format!("&{given}"),
                     ];
                     let arguments = arguments.map(|argument| Expression::Atom(argument.to_owned())).to_vec();
-                    let call = Expression::Call("search.general".to_owned(), arguments);
+                    let descends = matches!(step, Step::Descents { .. });
+                    let method = if descends { "search.descents" } else { "search.general" };
+                    let call = Expression::Call(method.to_owned(), arguments);
                     text.laid_out(&statement(text.indent(), "let mut candidates =", &call, ";"));
                     let some = self.leaves.paths.prelude("Some");
-                    let roots = roots.join(", ");
+                    let others = if roots.len() < AT_ONCE { ", .." } else { "" };
+                    let roots = roots.join(", ") + others;
                     text.line(format!(
                         "while let {some}([{roots}]) = search.next_candidate(&mut candidates) {{"
                     ));

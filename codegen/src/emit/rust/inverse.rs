@@ -7,9 +7,7 @@ use super::names::function_suffix;
 use super::number::{self, number};
 use super::text::{Text, clean};
 use crate::model::{Filter, JointKind, Problem, Row, Target};
-use crate::plan::{
-    Form, Function, FunctionKind, GeneralChain, Measure, Nearly, Scalar, Stage, Step, ValueId,
-};
+use crate::plan::{Form, Function, FunctionKind, Measure, Scalar, Stage, Step, ValueId};
 use dh_core::FULL_POSE;
 
 impl<'a> Printer<'a> {
@@ -36,8 +34,10 @@ impl<'a> Printer<'a> {
         let body = self.body(function, &locals);
         let mut lines = Text::indented(1);
         for (index, (stage, name)) in function.stages.iter().zip(&locals.stages).enumerate() {
+            let at_once = if function.finds_few_at_once(index) { ".at_once()" } else { "" };
             let unsigned = if function.is_unsigned(index) { ".unsigned()" } else { "" };
-            lines.line(self.stage(index, stage, name, unsigned));
+            let slides = !function.searches(index);
+            lines.line(self.stage(index, stage, name, slides, &format!("{at_once}{unsigned}")));
         }
         self.arms(&mut lines, &function.steps, &locals);
         lines.gap();
@@ -109,7 +109,7 @@ impl<'a> Printer<'a> {
     }
 
     /// The description of a stage, for errors.
-    fn stage(&self, index: usize, stage: &Stage, name: &str, unsigned: &str) -> String {
+    fn stage(&self, index: usize, stage: &Stage, name: &str, slides: bool, more: &str) -> String {
         let step = self.paths.runtime("Step");
         let measure = match stage.measure {
             Measure::Ratio => "Ratio".to_owned(),
@@ -117,114 +117,12 @@ impl<'a> Printer<'a> {
             Measure::Area => "Area".to_owned(),
             Measure::Power(power) => format!("Power({power})"),
         };
-        let slides =
+        let is_slide =
             |row: usize| self.model.rows.get(row).is_some_and(|row| row.kind == JointKind::Prismatic);
-        let prismatic = (0..32).any(|row| stage.rows & (1 << row) != 0 && slides(row));
+        let prismatic = (0..32).any(|row| slides && stage.rows & (1 << row) != 0 && is_slide(row));
         let measure = format!("{}::{measure}", self.paths.runtime("Measure"));
         let rows = number::grouped(&format!("{:b}", stage.rows), 4);
-        format!("const {name}: {step} = {step}::new({index}, 0b{rows}, {prismatic}, {measure}){unsigned};")
-    }
-
-    /// What some steps need to know of the arm.
-    fn arms(&self, text: &mut Text, steps: &[Step], locals: &Locals) {
-        for step in steps {
-            match step {
-                Step::General { chain, .. } => self.chain(text, &locals.chain, chain),
-                Step::Near { nearly, otherwise, .. } => {
-                    self.nearly(text, locals, nearly);
-                    self.arms(text, otherwise, locals);
-                }
-                _ => {}
-            }
-        }
-    }
-
-    /// What a nearly special arm is to the one that was meant.
-    fn nearly(&self, text: &mut Text, locals: &Locals, nearly: &Nearly) {
-        let (name, chain) = (&locals.nearly, &locals.chain);
-        let ty = self.paths.runtime("Nearly");
-        text.line("#[rustfmt::skip]");
-        text.line(format!("const {name}: {ty}<'static> = {ty} {{"));
-        text.line(format!("    unknowns: {:?},", nearly.unknowns));
-        text.line(
-            "    // What each step is off by: by the deviation; by earlier unknowns that are off by 1.",
-        );
-        text.line("    gains: &[");
-        let (mut gains, mut length) = (nearly.gains.as_slice(), 1);
-        while let Some((row, rest)) = gains.split_at_checked(length).filter(|(row, _)| !row.is_empty()) {
-            let row = row.iter().map(|gain| number(*gain, super::ScalarType::F64, &self.paths));
-            text.line(format!("        {},", row.collect::<Vec<_>>().join(", ")));
-            (gains, length) = (rest, length + 1);
-        }
-        text.line("    ],");
-        let deviation = number(nearly.deviation, super::ScalarType::F64, &self.paths);
-        text.line(format!("    deviation: {deviation},"));
-        text.line(format!("    mirrored: {},", nearly.mirrored));
-        let [some, none] = ["Some", "None"].map(|name| self.paths.prelude(name));
-        if let Some(joints) = &nearly.joints {
-            text.line(format!("    chain: {some}({} {{", self.paths.runtime("Exact")));
-            text.line(format!("        arm: {chain},"));
-            text.line("        // Each joint as a form in those of the chain: six factors and a constant.");
-            text.line("        joints: [");
-            for form in joints {
-                let form = form.iter().map(|x| {
-                    let size = number(x.abs(), super::ScalarType::F64, &self.paths);
-                    if *x < 0.0 { format!("-{size}") } else { size }
-                });
-                text.line(format!("            [{}],", form.collect::<Vec<_>>().join(", ")));
-            }
-            text.line("        ],");
-            text.line("    }),");
-        } else {
-            text.line(format!("    chain: {none},"));
-        }
-        text.line("};");
-    }
-
-    /// The chain of a function without a closed form: f64 whatever the scalar, for its polynomials need the digits.
-    fn chain(&self, text: &mut Text, name: &str, chain: &GeneralChain) {
-        let list = |items: Vec<Expression>| Expression::Array(items).flat();
-        let number = |value: f64| {
-            let text = number(value.abs(), super::ScalarType::F64, &self.paths);
-            Expression::Atom(if value < 0.0 { format!("-{text}") } else { text })
-        };
-        let ty = self.paths.runtime("GeneralArm");
-        if chain.links.iter().flat_map(dh_core::Frame::rows).any(number::looks_approximate) {
-            text.line(format!("#[allow({}, reason = \"as the table has it\")]", number::APPROXIMATE));
-        }
-        text.line("#[rustfmt::skip]");
-        // What does not depend on the target is computed when this is compiled.
-        let prepared = chain.given.is_empty() && !chain.charts.is_empty();
-        let bare = if prepared { format!("BARE_{name}") } else { name.to_owned() };
-        text.line(format!("const {bare}: {ty}<'static> = {ty} {{"));
-        text.line("    // Rows of [R | p]: before the first joint, between the joints, after the last.");
-        text.line("    links: &[");
-        for link in &chain.links {
-            let rows = link.rows().map(number).to_vec();
-            text.line(format!("        {}::from_rows({}),", self.paths.runtime("Frame"), list(rows)));
-        }
-        text.line("    ],");
-        text.line(format!("    prismatic: &{:?},", chain.prismatic));
-        text.line(format!("    given: &{:?},", chain.given));
-        text.line(format!("    reach: {},", number(chain.reach).flat()));
-        text.line("    charts: &[");
-        for chart in &chain.charts {
-            let dh_core::Chart { dropped, backward, hidden, swapped, divided, degree, periods } = chart;
-            let repeated = if *periods == 1 { String::new() } else { format!(".repeated({periods})") };
-            text.line(format!(
-                "        {}::new({dropped}, {backward}, {hidden}, {swapped}, {divided}, {degree}){repeated},",
-                self.paths.runtime("Chart")
-            ));
-        }
-        text.line("    ],");
-        text.line("    triple: &None,");
-        text.line("};");
-        if prepared {
-            text.line("// With what does not depend on the target.");
-            text.line(format!(
-                "const {name}: {ty}<'static> = {ty} {{ triple: &{bare}.triple(), ..{bare} }};"
-            ));
-        }
+        format!("const {name}: {step} = {step}::new({index}, 0b{rows}, {prismatic}, {measure}){more};")
     }
 
     /// What is done with a candidate.
@@ -381,7 +279,7 @@ impl Printer<'_> {
 /// Whether candidates are brought nearer to the pose.
 fn polishes(steps: &[Step]) -> bool {
     steps.iter().any(|step| match step {
-        Step::Solve { body, .. } | Step::General { body, .. } => polishes(body),
+        Step::Solve { body, .. } | Step::General { body, .. } | Step::Descents { body, .. } => polishes(body),
         Step::Accept { polish, .. } => *polish,
         Step::Near { .. } => true,
         Step::Let { .. } | Step::SinCos { .. } => false,

@@ -50,7 +50,7 @@ impl Live {
                         self.mark(scalar);
                     }
                 }
-                Step::General { given, body, .. } => {
+                Step::General { given, body, .. } | Step::Descents { given, body, .. } => {
                     self.mark_steps(body);
                     for scalar in given {
                         self.mark(scalar);

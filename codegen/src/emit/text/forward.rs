@@ -34,7 +34,11 @@ pub(super) fn print<'a>(
                 definitions.extend(written.map(|sum| (scope.name(*name), sum)));
             }
             Step::SinCos { sin, cos, angle } => angles.push((scope.sin_cos(*sin, *cos), angle)),
-            Step::Solve { .. } | Step::General { .. } | Step::Near { .. } | Step::Accept { .. } => {}
+            Step::Solve { .. }
+            | Step::General { .. }
+            | Step::Descents { .. }
+            | Step::Near { .. }
+            | Step::Accept { .. } => {}
         }
     }
     let outputs: Vec<Sum> = function.outputs.iter().map(|output| scope.sum(output)).collect();

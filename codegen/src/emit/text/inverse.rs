@@ -121,6 +121,21 @@ impl Derivation<'_, '_, '_> {
                     }
                     self.steps(body);
                 }
+                Step::Descents { stage: index, body, .. } => {
+                    if let Some(stage) = self.function.stages.get(*index) {
+                        self.text.gap();
+                        self.text.line(1, &format!("Step {}: {} at once", index + 1, stage.unknown));
+                        self.text.line(2, &stage.equation);
+                        self.text.line(2, &format!("({})", stage.origin));
+                        self.text.line(
+                            2,
+                            "up to 16 solutions; from those that are nearly singular it also starts beside them",
+                        );
+                        self.text.line(2, "nothing proves that none is missing");
+                        self.text.lines(2, self.function.sign(*index).as_slice());
+                    }
+                    self.steps(body);
+                }
                 Step::Near { meant, body, otherwise, .. } => {
                     self.text.gap();
                     self.text.line(1, &format!("The arm that was meant ({meant}):"));

@@ -1,7 +1,7 @@
 //! Steps and scalars of a plan as instructions over registers, each reference checked.
 
 use super::error::PlanError;
-use super::routine::{General, Instruction, Kernel, Near, Register, Solve};
+use super::routine::{AtOnce, Chain, Instruction, Kernel, Near, Register, Solve};
 use crate::plan::{Equation, Function, FunctionKind, Plan, Scalar, Step, ValueId};
 use dh_core::Float;
 
@@ -66,7 +66,8 @@ impl<S: Float> Lowering<'_, S> {
                 let solve = Solve { stage: *stage, root: root_slot, angle, sin_cos, equation, body };
                 code.push(Instruction::Solve(Box::new(solve)));
             }
-            Step::General { stage, chain, given, roots, body } => {
+            Step::General { stage, given, roots, body, .. }
+            | Step::Descents { stage, given, roots, body, .. } => {
                 self.inverse_only()?;
                 if *stage >= self.function.stages.len() || depth >= MAX_DEPTH {
                     return Err(PlanError::Stage { index: *stage });
@@ -79,8 +80,13 @@ impl<S: Float> Lowering<'_, S> {
                 }
                 let body = self.steps(body, depth + 1)?;
                 self.defined = outside;
-                let general = General { stage: *stage, chain: chain.clone(), given, roots: slots, body };
-                code.push(Instruction::General(Box::new(general)));
+                let chain = match step {
+                    Step::Descents { chain, .. } => Chain::Following(chain.clone()),
+                    Step::General { chain, .. } => Chain::General(chain.clone()),
+                    _ => return Ok(()),
+                };
+                let at_once = AtOnce { stage: *stage, chain, given, roots: slots, body };
+                code.push(Instruction::AtOnce(Box::new(at_once)));
             }
             Step::Near { nearly, body, otherwise, .. } => {
                 self.inverse_only()?;

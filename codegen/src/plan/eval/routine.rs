@@ -6,7 +6,9 @@
 use super::error::PlanError;
 use super::lowering::Lowering;
 use crate::model::{JointKind, Model, Target};
-use crate::plan::{Function, FunctionKind, GeneralChain, Measure, Nearly, Plan, Stage, target_inputs};
+use crate::plan::{
+    FollowingChain, Function, FunctionKind, GeneralChain, Measure, Nearly, Plan, Stage, target_inputs,
+};
 use dh_core::Float;
 
 /// Number of a register.
@@ -51,7 +53,7 @@ pub(super) enum Instruction {
     /// A named value is complete; for traces only.
     Named(Register),
     Solve(Box<Solve>),
-    General(Box<General>),
+    AtOnce(Box<AtOnce>),
     Near(Box<Near>),
     /// A candidate: the registers of q, and of the tool frame where there are any.
     Accept {
@@ -73,14 +75,21 @@ pub(super) struct Solve {
     pub(super) body: Vec<Instruction>,
 }
 
-/// For every solution of a chain of six joints: the instructions of `body`.
+/// For every solution of all unknowns: the instructions of `body`.
 #[derive(Debug, Clone)]
-pub(super) struct General {
+pub(super) struct AtOnce {
     pub(super) stage: usize,
-    pub(super) chain: GeneralChain,
+    pub(super) chain: Chain,
     pub(super) given: Vec<Register>,
     pub(super) roots: Vec<Register>,
     pub(super) body: Vec<Instruction>,
+}
+
+/// What is solved for all unknowns at once.
+#[derive(Debug, Clone)]
+pub(super) enum Chain {
+    General(GeneralChain),
+    Following(FollowingChain),
 }
 
 /// The closed form of the arm that a nearly special one was meant to be, and what is done where it isn't sure.
@@ -182,9 +191,11 @@ fn stages(model: &Model, function: &Function) -> Result<Vec<dh_core::Step>, Plan
             Measure::Power(power) => dh_core::Measure::Power(power),
         };
         let first = model.rows.get(stage.rows.trailing_zeros() as usize);
-        let prismatic = first.is_some_and(|row| row.kind == JointKind::Prismatic);
+        let prismatic =
+            first.is_some_and(|row| row.kind == JointKind::Prismatic) && !function.searches(index);
         let index = u8::try_from(index).map_err(|_| PlanError::Stage { index })?;
         let step = dh_core::Step::new(index, stage.rows, prismatic, measure);
+        let step = if function.finds_few_at_once(usize::from(index)) { step.at_once() } else { step };
         Ok(if function.is_unsigned(usize::from(index)) { step.unsigned() } else { step })
     };
     function.stages.iter().enumerate().map(step).collect()

@@ -1,7 +1,7 @@
 //! Running a lowered function.
 
 use super::filter::Filter;
-use super::routine::{self, General, Instruction, Kernel, Register, Routine, Solve};
+use super::routine::{self, AtOnce, Chain, Instruction, Kernel, Register, Routine, Solve};
 use super::trace::Event;
 use crate::plan::Function;
 use dh_core::{
@@ -53,7 +53,7 @@ impl<S: Float> Registers<S> {
             }
             Instruction::Named(_)
             | Instruction::Solve(_)
-            | Instruction::General(_)
+            | Instruction::AtOnce(_)
             | Instruction::Near(_)
             | Instruction::Accept { .. } => {}
         }
@@ -217,7 +217,7 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
                     named(self.names, *register, registers, &mut self.observer);
                 }
                 Instruction::Solve(solve) => self.solve(solve, registers),
-                Instruction::General(general) => self.general(general, registers),
+                Instruction::AtOnce(all) => self.at_once(all, registers),
                 Instruction::Near(near) => self.near(near, registers),
                 Instruction::Accept { q, tool, polish } => self.accept(q, tool, *polish, registers),
                 other => registers.compute(other),
@@ -247,33 +247,40 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
         (self.observer)(Event::Done { stage: solve.stage });
     }
 
-    fn general(&mut self, general: &'r General, registers: &mut Registers<S>) {
+    fn at_once(&mut self, all: &'r AtOnce, registers: &mut Registers<S>) {
         let (Some(step), Some(stage)) =
-            (self.routine.stages.get(general.stage), self.names.stages.get(general.stage))
+            (self.routine.stages.get(all.stage), self.names.stages.get(all.stage))
         else {
             return;
         };
-        let given: Vec<S> = general.given.iter().map(|register| registers.get(*register)).collect();
+        let given: Vec<S> = all.given.iter().map(|register| registers.get(*register)).collect();
         let Searching::Exact(search) = &mut self.search else { return };
-        let mut candidates = search.general(*step, &general.chain.arm(), self.target, &given);
-        (self.observer)(Event::Stage { index: general.stage, stage, roots: candidates.len() });
+        let target = self.target;
+        let mut candidates = match &all.chain {
+            Chain::General(chain) => search.general(*step, &chain.arm(), target, &given),
+            Chain::Following(chain) => chain.with(|chain| search.descents(*step, chain, target, &given)),
+        };
+        (self.observer)(Event::Stage { index: all.stage, stage, roots: candidates.len() });
         let mut number = 0;
         while let Some(values) = self.search.next_candidate(&mut candidates) {
-            for (root, value) in general.roots.iter().zip(values) {
+            for (root, value) in all.roots.iter().zip(values) {
                 registers.set(*root, value);
                 let name = self.names.values.get(*root).map_or("", String::as_str);
-                (self.observer)(Event::Root { stage: general.stage, number, name, value });
+                (self.observer)(Event::Root { stage: all.stage, number, name, value });
             }
-            self.block(&general.body, registers);
+            self.block(&all.body, registers);
             number += 1;
         }
-        (self.observer)(Event::Done { stage: general.stage });
+        (self.observer)(Event::Done { stage: all.stage });
     }
 
     fn near(&mut self, near: &'r routine::Near, registers: &mut Registers<S>) {
         let Target::Pose(target) = self.target else { return };
         let chain = near.otherwise.iter().find_map(|instruction| match instruction {
-            Instruction::General(general) => Some(&general.chain),
+            Instruction::AtOnce(all) => match &all.chain {
+                Chain::General(chain) => Some(chain),
+                Chain::Following(_) => None,
+            },
             _ => None,
         });
         let Some(chain) = chain else { return };

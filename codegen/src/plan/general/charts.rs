@@ -37,13 +37,13 @@ pub(super) fn choose(chain: &GeneralChain) -> (Vec<Chart>, f64) {
 
 /// Whether the joints of a chain can move its tip every way, but at singular poses.
 pub(super) fn is_regular(chain: &GeneralChain) -> bool {
-    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    let mut random = Random::new();
     (0..3).filter_map(|_| random.trial(chain)).any(|trial| !trial.six.is_singular(&trial.q))
 }
 
 /// The best charts of those with these joints dropped, and the directions.
 fn best(chain: &GeneralChain, cuts: &[(u8, bool)]) -> (Vec<Chart>, f64) {
-    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    let mut random = Random::new();
     let most = ROUNDS.iter().map(|(poses, _)| *poses).max().unwrap_or_default();
     let trials: Vec<Trial<'_>> = (0..most).filter_map(|_| random.trial(chain)).collect();
     let mut charts: Vec<(Chart, f64)> = Vec::new();
@@ -151,15 +151,20 @@ fn score(chart: Chart, trials: &[Trial<'_>]) -> Option<f64> {
 }
 
 /// A linear congruential generator \[Knuth, TAOCP 2, §3.3.4\]: the same poses on every host.
-struct Random(u64);
+pub(in crate::plan) struct Random(u64);
 
 impl Random {
+    pub(in crate::plan) const fn new() -> Self {
+        Self(0x2545_f491_4f6c_dd1d)
+    }
+
     fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    fn value(&mut self, slides: bool, reach: f64) -> f64 {
+    /// rad, or m of an arm of this reach
+    pub(in crate::plan) fn value(&mut self, slides: bool, reach: f64) -> f64 {
         let x = 2.0 * self.unit() - 1.0;
         if slides { x * reach } else { x * std::f64::consts::PI }
     }

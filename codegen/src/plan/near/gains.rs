@@ -242,7 +242,7 @@ impl Branch<'_> {
                     open.push(steps);
                     steps = body;
                 }
-                Step::Accept { .. } | Step::General { .. } | Step::Near { .. } => {}
+                Step::Accept { .. } | Step::General { .. } | Step::Descents { .. } | Step::Near { .. } => {}
             }
         }
     }

@@ -127,7 +127,7 @@ fn single(form: &Form) -> Value {
     }
 }
 
-fn held(prismatic: bool, form: &Form) -> Frame {
+pub(super) fn held(prismatic: bool, form: &Form) -> Frame {
     if prismatic {
         return Frame::from_translation([0.0, 0.0, form.offset.value()]);
     }
@@ -158,7 +158,7 @@ fn turn(axis: usize, (s, c): (f64, f64)) -> Frame {
     Frame { rotation, translation: [0.0; 3] }
 }
 
-fn frame(link: &Link) -> Frame {
+pub(super) fn frame(link: &Link) -> Frame {
     link.elements.iter().fold(Frame::IDENTITY, |frame, element| {
         frame.compose(&match element {
             Element::Translate { axis, value, .. } => {

@@ -111,7 +111,18 @@ pub(super) enum Trouble {
 const LARGEST_MULTIPLE: f64 = 64.0;
 
 /// Eliminates what couplings and constraints determine, `given` being the joints (indices of q) that the caller gives.
+/// Angles are whole multiples of the free ones.
 pub(super) fn eliminate(model: &Model, constraints: &[Linear], given: &[usize]) -> Result<Unknowns, Trouble> {
+    let unknowns = eliminate_any(model, constraints, given)?;
+    if whole_multiples(&unknowns) { Ok(unknowns) } else { Err(Trouble::Fraction) }
+}
+
+/// The same whatever the multiples.
+pub(super) fn eliminate_any(
+    model: &Model,
+    constraints: &[Linear],
+    given: &[usize],
+) -> Result<Unknowns, Trouble> {
     let rows = model.rows.len();
     let given: Vec<Free> =
         given.iter().enumerate().filter_map(|(place, joint)| Free::given(model, place, *joint)).collect();
@@ -295,7 +306,7 @@ fn in_free(
     }
     let mut unknowns = Unknowns { free, rows, joints: Vec::new() };
     unknowns.joints = joints.iter().map(|joint| combine(joint, &unknowns.rows)).collect();
-    if whole_multiples(&unknowns) { Ok(unknowns) } else { Err(Trouble::Fraction) }
+    Ok(unknowns)
 }
 
 /// Whether every angle is a small whole multiple of the free ones. By a fraction of a turn a joint would follow whole
