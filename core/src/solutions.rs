@@ -92,12 +92,14 @@ impl<const N: usize, S: Float> Solutions<N, S> {
         self.append(solution);
     }
 
-    /// Adds a solution; says whether it is another than those that are there, whole turns aside.
+    /// Adds a solution if it is another than those that are there, whole turns aside; says whether it is.
     pub(crate) fn append_new(&mut self, solution: Solution<N, S>, windings: &[Winding<'_, S>]) -> bool {
         let new = !self
             .iter()
             .any(|known| !differ(&known.q, &solution.q, windings) && same(&known.q, &solution.q, windings));
-        self.append(solution);
+        if new {
+            self.append(solution);
+        }
         new
     }
 

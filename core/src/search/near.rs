@@ -6,16 +6,20 @@
 //! near a root of each, one after the other. What they may be off by is carried from step to step, and where it comes near
 //! what would make two roots one, or no root of one, poses all around the target are solved as well ([`seek`]).
 
+mod cubic;
 mod curve;
 mod newton;
+mod reduced;
 mod seek;
+mod steps;
 
 use super::{Roots, Search};
 use crate::branch::bit_of;
 use crate::frame::{norm, sub};
 use crate::{
-    Branch, Float, Frame, GeneralArm, IkError, Polished, Solution, Solutions, Step, Winding, rotation_error,
+    Branch, Float, Frame, GeneralArm, IkError, Polished, Solution, Solutions, Winding, rotation_error,
 };
+use curve::Arm;
 use seek::Seek;
 
 /// How many joints are found.
@@ -61,12 +65,42 @@ pub struct Near<'a, const N: usize, S = f64> {
     /// What the unknown of each step may be off by (rad, reaches).
     off: [S; STEPS],
     doubtful: bool,
+    /// What is singular among the steps that were solved last.
+    singular: Singular,
     target: Frame<S>,
     begun: bool,
     seek: Option<Seek<N, S>>,
     deviation: f64,
     chain: Option<Exact<'a>>,
     labels: Labels<'a, S>,
+}
+
+/// Which steps are singular: bit i stands for step i.
+#[derive(Debug, Clone, Copy, Default)]
+struct Singular {
+    /// Two roots have met, as far as is known; of these, those that have no root of the arm that was meant.
+    folds: u32,
+    beyond: u32,
+    /// The two roots of an angle have met, by which another step loses its coefficients.
+    poles: u32,
+    /// Coefficients vanish: any value will do.
+    idle: u32,
+}
+
+impl Singular {
+    /// Without the steps of these bits.
+    const fn without(self, bits: u32) -> Self {
+        Self {
+            folds: self.folds & !bits,
+            beyond: self.beyond & !bits,
+            poles: self.poles & !bits,
+            idle: self.idle & !bits,
+        }
+    }
+
+    const fn is_none(self) -> bool {
+        (self.folds | self.poles | self.idle) == 0
+    }
 }
 
 /// What solutions are labelled with.
@@ -96,13 +130,17 @@ const STEPS: usize = 16;
 /// A coefficient is this many times what it may be off by, at least.
 const MARGIN: f64 = 2.0;
 
-/// Steps that follow are off in proportion to what earlier unknowns are, up to here (rad, reaches). Where none follows, the
-/// whole pose decides.
-const UNSURE: f64 = 0.1;
-const UNSURE_AT_LAST: f64 = 0.4;
+/// What an unknown may be off by (rad, reaches) where its step is well-conditioned.
+const UNSURE: f64 = 0.5;
 
-/// Cosine and sine that are off the unit circle by more than this belong to no root.
-const FALSE: f64 = 0.25;
+/// Determinants (reaches, rad) of so many times what the arm is off by may belong to several solutions near to each other.
+const SINGULAR: f64 = 0.25;
+
+/// A first step of Newton's method (rad, reaches) that is longer than this may have left its solution for another.
+const SHORT: f64 = 0.2;
+
+/// So many times what the arm is off by are out of reach where they are missing at a fold (reaches, rad).
+const APART: f64 = 8.0;
 
 /// An error (reaches, rad) of so many machine epsilons of the target is none: it comes of rounding in the closed form.
 const MET: f64 = 1e6;
@@ -117,6 +155,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             gains: nearly.gains,
             off: [S::ZERO; STEPS],
             doubtful: false,
+            singular: Singular::default(),
             target: *target,
             begun: false,
             seek: None,
@@ -130,158 +169,16 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     #[inline]
     pub fn next_pose(&mut self) -> Option<Frame<S>> {
         if self.begun {
+            if self.seek.is_none() {
+                // Real solutions come and go in pairs, one on each side of a singularity.
+                let minus =
+                    self.search.solutions.iter().filter(|solution| solution.branch != Branch::PLUS).count();
+                self.doubtful |= self.search.solutions.len() != 2 * minus;
+            }
             return if self.doubtful { self.next_neighbour() } else { None };
         }
         self.begun = true;
         Some(self.target)
-    }
-
-    /// What a step's equation may be off by, in its own dimension.
-    #[inline]
-    fn begin(&mut self, step: Step) -> S {
-        let index = usize::from(step.index);
-        let Some([deviation, gains @ ..]) = self.gains.get(row(index)..row(index + 1)) else {
-            return S::INFINITY;
-        };
-        let mut off = S::from_f64(*deviation);
-        for (gain, by) in gains.iter().zip(&self.off) {
-            off += S::from_f64(*gain) * *by;
-        }
-        off * step.measure.scale(self.search.reach)
-    }
-
-    /// Whether it is the last one.
-    fn is_last(&self, step: Step) -> bool {
-        row(usize::from(step.index) + 1) == self.gains.len()
-    }
-
-    /// Notes by how much (rad, reaches) the unknown of a step may be off.
-    #[inline]
-    fn end(&mut self, step: Step, by: S) {
-        let unsure = if self.is_last(step) { UNSURE_AT_LAST } else { UNSURE };
-        match self.off.get_mut(usize::from(step.index)) {
-            Some(off) if above(S::from_f64(unsure), by) => *off = by,
-            _ => self.doubtful = true,
-        }
-    }
-
-    #[cold]
-    fn doubt(&mut self) -> Roots<S> {
-        self.doubtful = true;
-        Roots::NONE
-    }
-
-    /// [`Search::trig`]: its two roots meet where a² + b² = c².
-    #[inline]
-    pub fn trig(&mut self, step: Step, a: S, b: S, c: S) -> Roots<S> {
-        if self.seek.is_some() {
-            return self.search.trig(step, a, b, c);
-        }
-        let off = self.begin(step);
-        let (square, inside) = (a * a + b * b, c * c);
-        let rest = square - inside;
-        // (h - c)(h + c) is twice as much off as h - c, in units of h.
-        let margin = S::TWO * S::from_f64(MARGIN) * off;
-        if rest > S::ZERO && rest * rest > margin * margin * square {
-            let root = rest.sqrt();
-            self.end(step, off / root);
-            return super::trigonometric::both(a, b, c, root, S::ONE / square);
-        }
-        let h = square.sqrt();
-        let excess = c.abs() - h;
-        if excess > S::from_f64(MARGIN) * off && off.is_finite() {
-            return self.search.unreachable_by(step, excess, h);
-        }
-        self.doubt()
-    }
-
-    /// [`Search::trig_unit`]: its two roots meet where d and e vanish.
-    #[inline]
-    pub fn trig_unit(&mut self, step: Step, row: [S; 3], others: [S; 2]) -> Roots<S> {
-        if self.seek.is_some() {
-            return self.search.trig_unit(step, row, others);
-        }
-        let ([a, b, c], [d, e]) = (row, others);
-        let off = self.begin(step);
-        let rest = d * d + e * e;
-        let margin = S::from_f64(MARGIN) * off;
-        if !above(rest, margin * margin) {
-            return self.doubt();
-        }
-        self.end(step, off);
-        let unit = S::ONE / (rest + c * c);
-        let root = unit.sqrt();
-        super::trigonometric::both(a, b, c * root, rest.sqrt() * root, S::ONE)
-    }
-
-    /// [`Search::trig_pair`]: it has no root where the rows are one, or vanish.
-    #[inline]
-    pub fn trig_pair(&mut self, step: Step, first: [S; 3], second: [S; 3]) -> Roots<S> {
-        if self.seek.is_some() {
-            return self.search.trig_pair(step, first, second);
-        }
-        let off = self.begin(step);
-        let ([a1, b1, c1], [a2, b2, c2]) = (first, second);
-        let determinant = a1 * b2 - a2 * b1;
-        let (h1, h2) = (a1 * a1 + b1 * b1, a2 * a2 + b2 * b2);
-        let h = if h1 > h2 { h1 } else { h2 };
-        let inverse = S::ONE / determinant;
-        let by = off * h.sqrt() * inverse.abs();
-        let (cos, sin) = ((c1 * b2 - c2 * b1) * inverse, (a1 * c2 - a2 * c1) * inverse);
-        let length = (cos * cos + sin * sin).sqrt();
-        let miss = (length - S::ONE).abs();
-        self.end(step, by);
-        if miss > S::from_f64(MARGIN) * by + S::from_f64(FALSE) {
-            return self.search.unreachable_by(step, miss * h.sqrt(), h.sqrt());
-        }
-        if !above(S::from_f64(MET) * S::EPSILON, miss) {
-            return self.doubt();
-        }
-        let unit = S::ONE / length;
-        Roots::angle([sin * unit, cos * unit])
-    }
-
-    /// [`Search::linear`]: it has no root where a vanishes.
-    pub fn linear(&mut self, step: Step, a: S, c: S) -> Roots<S> {
-        if self.seek.is_some() {
-            return self.search.linear(step, a, c);
-        }
-        let off = self.begin(step);
-        let unit = if step.prismatic { self.search.reach } else { S::ONE };
-        let slope = (a * unit).abs();
-        if !above(slope, S::from_f64(MARGIN) * off) {
-            return self.doubt();
-        }
-        let root = c / a;
-        self.end(step, off * (S::ONE + (root / unit).abs()) / slope);
-        Roots::value(root)
-    }
-
-    /// [`Search::quadratic`]: its two roots meet where b² = 4 a c.
-    pub fn quadratic(&mut self, step: Step, a: S, b: S, c: S) -> Roots<S> {
-        if self.seek.is_some() {
-            return self.search.quadratic(step, a, b, c);
-        }
-        let off = self.begin(step);
-        let unit = if step.prismatic { self.search.reach } else { S::ONE };
-        let (a, half) = (a * unit * unit, b * unit / S::TWO);
-        let (square, product) = (half * half, a * c);
-        let rest = square - product;
-        let size = half.abs() + a.abs() + c.abs();
-        let margin = S::TWO * S::from_f64(MARGIN) * off;
-        if !(above(rest.abs(), margin * size) && above(a.abs(), margin)) {
-            return self.doubt();
-        }
-        if rest < S::ZERO {
-            let excess = (product.sqrt() - half.abs()) / a.abs();
-            return self.search.unreachable_by(step, excess * unit, S::ONE);
-        }
-        let root = rest.sqrt();
-        let greater = if half < S::ZERO { root - half } else { -(half + root) };
-        let (first, second) = (greater / a, c / greater);
-        let far = first.abs().max(second.abs()).max(S::ONE);
-        self.end(step, off * far * far / root);
-        Roots::values(first * unit, second * unit)
     }
 
     /// The next root (rad or m) to go on with.
@@ -308,34 +205,63 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         &mut self,
         q: [S; N],
         tool: &Frame<S>,
-        pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+        mut pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
     ) {
-        if self.doubtful {
+        if self.seek.is_some() {
             self.seek_from(q, tool, pose_and_jacobian);
             return;
         }
-        let target = &self.target;
+        let reach = self.search.reach;
+        let target = self.target;
         let position_error = norm(sub(tool.translation, target.translation));
         let rotation_error = rotation_error(&target.rotation, &tool.rotation);
-        let miss = (position_error / self.search.reach).max(rotation_error);
-        if !above(S::from_f64(MET) * S::EPSILON, miss) {
+        let miss = (position_error / reach).max(rotation_error);
+        let exact = above(S::from_f64(MET) * S::EPSILON, miss);
+        if exact && let Some(found) = newton::solve(q, &self.unknowns, &target, reach, &mut pose_and_jacobian)
+        {
+            let solution = self.labels.solution(&found.at, found.determinant < S::ZERO);
+            let new = self.search.solutions.append_new(solution, self.search.windings);
+            let simple = found.determinant.abs() > S::from_f64(SINGULAR * self.deviation);
+            if new && simple && !found.turned && found.first <= S::from_f64(SHORT) {
+                return;
+            }
+        }
+        if !exact && self.singular.is_none() {
             // A false root of a squared equation; of one that nearly is none, nothing is known.
             let most = self.off.iter().fold(S::ZERO, |most, off| if *off > most { *off } else { most });
-            self.doubtful |= !above(miss, S::from_f64(MARGIN) * most);
-            self.search.miss(position_error, rotation_error);
-            return;
+            if above(miss, S::from_f64(MARGIN) * most) {
+                self.search.miss(position_error, rotation_error);
+                return;
+            }
         }
-        let reach = self.search.reach;
-        match newton::solve(q, &self.unknowns, target, reach, pose_and_jacobian) {
-            Some((found, negative)) => self.add(&found, negative),
-            None => self.doubtful = true,
-        }
-    }
-
-    fn add(&mut self, found: &Polished<N, S>, negative: bool) {
-        let solution = self.labels.solution(found, negative);
-        // Two that have become one: another was lost.
-        self.doubtful |= !self.search.solutions.append_new(solution, self.search.windings);
+        self.search.miss(position_error, rotation_error);
+        let deviation = S::from_f64(self.deviation);
+        let mut arm = Arm {
+            unknowns: &self.unknowns,
+            target: &target,
+            reach,
+            labels: &self.labels,
+            deviation,
+            pose_and_jacobian,
+        };
+        let vague = self.off.iter().any(|off| *off >= S::from_f64(UNSURE));
+        let all = match [self.singular.folds, self.singular.poles, self.singular.idle].map(u32::count_ones) {
+            [0, 0 | 1, 0 | 1] => arm.follow(q, S::INFINITY, &mut self.search.solutions),
+            [1, 0, idle] => {
+                // What cannot be reached is missing at the fold, but for what the arm is off; nothing is amplified on the way.
+                let apart = S::from_f64(APART) * deviation;
+                let out = self.singular.beyond != 0
+                    && idle == 0
+                    && arm.missing(q).is_some_and(|missing| missing > apart);
+                // Where the two roots are, at most. With another joint that nearly is any, there is more than a curve.
+                let off =
+                    self.off.get(self.singular.folds.trailing_zeros() as usize).map_or(S::ONE, |off| *off);
+                let range = S::ONE + S::from_f64(4.0) * off;
+                out || (idle == 0 && !vague && arm.follow(q, range, &mut self.search.solutions))
+            }
+            _ => false,
+        };
+        self.doubtful |= !all;
     }
 
     /// What was found, or that there is nothing to be found; `None` where that is not sure.

@@ -177,7 +177,7 @@ fn what_a_pose_was_made_from_is_found_by_the_arm_that_was_meant() {
     }
     // Where what was meant is that near, the general chain is the exception.
     for (class, _) in &CLASSES {
-        for (off, most) in [(1e-9, POSES / 50), (1e-7, POSES / 20), (1e-5, POSES / 5)] {
+        for (off, most) in [(1e-9, POSES / 50), (1e-7, POSES / 20), (1e-5, POSES / 20), (1e-4, POSES / 20)] {
             let usual = solved.iter().any(|(own, at, fallen)| own == class && *at == off && *fallen <= most);
             assert!(usual, "{class}, {off:e}: {solved:?}");
         }
@@ -194,7 +194,7 @@ fn solutions_are_those_of_the_general_chain() {
             let plans = [output.plan.clone(), general(&output)];
             let programs = plans.each_ref().map(|plan| Program::<f64>::new(&output.model, plan).unwrap());
             let [near, general] = programs.each_ref().map(|program| program.interpreter().unwrap());
-            for _ in 0..50 {
+            for _ in 0..30 {
                 let q: Vec<f64> = (0..6).map(|_| PI * random.next()).collect();
                 let target = Target::Pose(near.fk(&q).unwrap());
                 let mut sets = [SolutionSet::new(), SolutionSet::new()];

@@ -1,11 +1,16 @@
-//! The curve on which five joints make up for what the sixth does as well as they can: along it the tool hardly moves, and two
-//! solutions that nearly meet lie on it.
+//! The curve on which five joints make up for what the sixth does, but for one direction in which they can't: along it the tool
+//! hardly moves, and what is missing is one number. Solutions are where that is 0.
+//!
+//! So it is about a singular pose, of whatever kind: two solutions that meet at a fold lie on one curve, and so do those that
+//! the self-motion of a singular arm leaves when the arm is a little other \[the reduction of Lyapunov and Schmidt; Golubitsky
+//! and Schaeffer, Singularities and Groups in Bifurcation Theory, §I.3\].
 
-use super::newton::{self, Place};
-use super::seek::Seek;
+use super::cubic::{lowest, root};
+use super::newton::{self, Equations};
+use super::reduced::Reduced;
 use super::{Labels, UNKNOWNS};
 use crate::polish::{Polished, polish};
-use crate::{Float, Frame, Solution};
+use crate::{Float, Frame, Solution, Solutions};
 
 /// A candidate whose error (reaches, rad) Newton's method doesn't bring below this is none.
 const FOUND: f64 = 1e-12;
@@ -13,19 +18,36 @@ const FOUND: f64 = 1e-12;
 /// Damped steps at most.
 const STEPS: usize = 24;
 
-/// Places along a curve are so far apart (rad, reaches), and so many; the other joints follow by so many steps; farther than
-/// this (reaches, rad) from the target the curve is left.
-pub(super) const STRIDE: f64 = 0.25;
-const FINER: f64 = 0.1;
-const WALK: u32 = 28;
-const CORRECTIONS: usize = 2;
+/// The leading joint goes this far (rad, reaches) from one place to the next, or by half of it so often where the others don't
+/// follow; so many places at most.
+const STRIDE: f64 = 0.3;
+const HALVED: u32 = 16;
+const PLACES: u32 = 96;
+
+/// Slopes at both ends of a stride make its change up to this share of what is missing.
+const OFF: f64 = 0.02;
+
+/// Corrections of the other joints at most, and how far (rad, reaches) one may go.
+const CORRECTIONS: usize = 6;
+const LONG: f64 = 0.5;
+
+/// What the other joints leave is at most this share of what is missing, or of what a step of this size makes of it.
+const SHARE: f64 = 1e-2;
+
+/// Five joints of which one moves the tool by less than this (reaches, rad) in a direction of its own are singular themselves.
+const WEAK: f64 = 1e-3;
+
+/// The curve is left where more than this (reaches, rad) is missing and more would be.
 const AWAY: f64 = 0.05;
+const FAR: f64 = 6.0;
+const CLEAR: f64 = 3.0;
+const WEAKEST: f64 = 3.0;
 
-/// Where a pivot is this small, solutions may be so near to each other that curves are followed past them.
-const CROWDED: f64 = 5e-4;
+/// An interval is divided so often where the missing is least, as long as it may vanish there.
+const DIVIDED: u32 = 6;
 
-/// Two solutions may have met where no more than this (reaches, rad) is missing.
-const TOUCHES: f64 = 1e-6;
+/// The joint values of a place and a solution beside it differ by at most so many strides.
+const BESIDE: f64 = 1.0;
 
 /// The greatest difference of two sets of joint values, whole turns aside.
 pub(super) fn apart<const N: usize, S: Float>(a: &[S; N], b: &[S; N], unknowns: &[usize; UNKNOWNS]) -> S {
@@ -38,12 +60,50 @@ pub(super) fn apart<const N: usize, S: Float>(a: &[S; N], b: &[S; N], unknowns: 
     away
 }
 
+/// A place on the curve.
+#[derive(Debug, Clone, Copy)]
+struct Place<const N: usize, S> {
+    q: [S; N],
+    /// Which of the unknowns leads.
+    lead: usize,
+    /// What is missing, and how it changes with the leading joint.
+    missing: S,
+    slope: S,
+    /// How the unknowns change with it.
+    rates: [S; UNKNOWNS],
+    /// The direction in which it is missing.
+    normal: [S; UNKNOWNS],
+}
+
+impl<const N: usize, S: Float> Place<N, S> {
+    /// Whether a cubic is as good as what is missing up to another place, of which the leading joint is a stride apart.
+    fn leads_to(&self, next: &Self, stride: S) -> bool {
+        let change = (self.slope + next.slope * turned_to(self, next)) * stride / S::TWO;
+        let most = self.missing.abs().max(next.missing.abs());
+        let off = (next.missing - self.missing - change).abs();
+        off <= S::from_f64(OFF) * most + S::from_f64(512.0) * S::EPSILON
+    }
+}
+
+/// How a curve ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum End {
+    /// Where it began.
+    Closed,
+    /// Far from the target.
+    Away,
+    /// Nobody knows where.
+    Lost,
+}
+
 /// The arm as it is, to be brought to the target.
 pub(super) struct Arm<'a, const N: usize, S, F> {
     pub(super) unknowns: &'a [usize; UNKNOWNS],
     pub(super) target: &'a Frame<S>,
     pub(super) reach: S,
     pub(super) labels: &'a Labels<'a, S>,
+    /// How far it is from that which was meant (reaches, rad).
+    pub(super) deviation: S,
     pub(super) pose_and_jacobian: F,
 }
 
@@ -51,11 +111,11 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
     /// Brings joint values to the target.
     pub(super) fn bring(&mut self, q: [S; N]) -> Option<Solution<N, S>> {
         let exact = &mut self.pose_and_jacobian;
-        if let Some((found, negative)) = newton::solve(q, self.unknowns, self.target, self.reach, exact) {
-            return Some(self.labels.solution(&found, negative));
+        if let Some(found) = newton::solve(q, self.unknowns, self.target, self.reach, exact) {
+            return Some(self.labels.solution(&found.at, found.determinant < S::ZERO));
         }
         let met = S::from_f64(FOUND).max(S::from_f64(64.0) * S::EPSILON);
-        let found = self.polish(q, STEPS, None);
+        let found = self.polish(q, STEPS);
         if !(found.position_error <= met * self.reach && found.rotation_error <= met) {
             return None;
         }
@@ -64,27 +124,14 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
         Some(self.labels.solution(&found, negative))
     }
 
-    /// Adds a solution; returns how little the tool moves there with the joints.
-    pub(super) fn take(&mut self, found: Solution<N, S>, seek: &mut Seek<N, S>) -> S {
-        seek.add(found, self.labels.windings);
-        let pivot = self.place(&found.q).map_or(S::ZERO, |at| at.pivot);
-        seek.crowded |= pivot < S::from_f64(CROWDED);
-        pivot
-    }
-
-    fn place(&mut self, q: &[S; N]) -> Option<Place<S>> {
-        let (tool, columns) = (self.pose_and_jacobian)(q);
-        newton::place(self.unknowns, &tool, &columns, self.target, self.reach)
-    }
-
-    /// By damped steps of the unknowns but one.
-    fn polish(&mut self, q: [S; N], steps: usize, held: Option<usize>) -> Polished<N, S> {
+    /// By damped steps of the unknowns.
+    fn polish(&mut self, q: [S; N], steps: usize) -> Polished<N, S> {
         let unknowns = self.unknowns;
         let exact = &mut self.pose_and_jacobian;
         polish(q, self.target, self.reach, steps, |q| {
             let (tool, mut columns) = exact(q);
             for (joint, column) in columns.iter_mut().enumerate() {
-                if !unknowns.contains(&joint) || Some(joint) == held {
+                if !unknowns.contains(&joint) {
                     *column = [S::ZERO; 6];
                 }
             }
@@ -92,85 +139,217 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
         })
     }
 
-    /// Goes along the curve on which five joints make up for what the sixth does as well as they can. What is missing there
-    /// has one direction, and is 0 at a solution. Says whether the curve was closed.
-    pub(super) fn walk(&mut self, from: [S; N], stride: S, finer: u32, seek: &mut Seek<N, S>) -> bool {
-        let Some(mut at) = self.place(&from) else { return false };
-        let (mut q, mut before) = (from, None);
-        seek.note(from);
-        for step in 0..WALK {
-            let mut on = q;
-            for (joint, part) in self.unknowns.iter().zip(at.idle) {
-                if let Some(value) = on.get_mut(*joint) {
-                    *value += stride * part;
-                }
-            }
-            let Some(held) = self.unknowns.get(at.leads) else { return false };
-            on = self.polish(on, CORRECTIONS, Some(*held)).q;
-            let Some(mut next) = self.place(&on) else { return false };
-            if dot(&next.idle, &at.idle) < S::ZERO {
-                next.idle = next.idle.map(|part| -part);
-            }
-            let [last, size] = [&at.missing, &next.missing].map(|missing| dot(missing, missing).sqrt());
-            if size.is_nan() || size > S::from_f64(AWAY) {
-                return false;
-            }
-            if dot(&at.missing, &next.missing) < S::ZERO {
-                let mut between = q;
-                let share = last / (last + size);
-                between.iter_mut().zip(on).for_each(|(value, on)| *value += share * (on - *value));
-                if let Some(hit) = self.bring(between) {
-                    self.take(hit, seek);
-                    if apart(&hit.q, &between, self.unknowns) < S::from_f64(0.5) * stride.abs() {
-                        seek.note(hit.q);
-                    }
-                }
-                before = None;
-            } else if let Some((start, longer)) = before
-                && last <= longer
-                && last < size
-                && may_vanish([longer, last, size])
-            {
-                // Two may be so near to each other that the sign has changed twice.
-                if finer > 0 {
-                    self.walk(start, stride * S::from_f64(FINER), finer - 1, seek);
-                } else if let Some(hit) = self.bring(q) {
-                    self.take(hit, seek);
-                }
-                before = Some((q, last));
-            } else {
-                before = Some((q, last));
-            }
-            (q, at) = (on, next);
-            if finer > 0 && step > 2 && apart(&q, &from, self.unknowns) < S::from_f64(0.6) * stride.abs() {
-                return true;
+    /// How little (reaches, rad) the tool moves at joint values with a joint that goes by 1.
+    pub(super) fn stiffness(&mut self, q: [S; N]) -> S {
+        self.place(q, UNKNOWNS - 1, None).map_or(S::ZERO, |place| place.slope.abs())
+    }
+
+    /// How much is missing (reaches, rad) at a place of the curve beside joint values.
+    pub(super) fn missing(&mut self, from: [S; N]) -> Option<S> {
+        self.start(from).map(|start| start.missing.abs())
+    }
+
+    /// The place of the curve beside joint values.
+    fn start(&mut self, from: [S; N]) -> Option<Place<N, S>> {
+        let start = self.place(from, UNKNOWNS - 1, None)?;
+        super::above(S::from_f64(LONG), apart(&start.q, &from, self.unknowns)).then_some(start)
+    }
+
+    /// Adds the solutions on the curve beside joint values, as far as the leading joint goes within a range (rad, reaches).
+    /// Says whether these are all.
+    pub(super) fn follow(&mut self, from: [S; N], range: S, found: &mut Solutions<N, S>) -> bool {
+        let Some(start) = self.start(from) else { return false };
+        for side in [S::ONE, -S::ONE] {
+            match self.walk(&start, side, range, found) {
+                End::Closed => return true,
+                End::Away => {}
+                End::Lost => return false,
             }
         }
-        false
+        true
+    }
+
+    /// Goes along the curve to one side.
+    fn walk(&mut self, start: &Place<N, S>, side: S, range: S, found: &mut Solutions<N, S>) -> End {
+        let stride = S::from_f64(STRIDE);
+        let least = S::TWO * start.missing.abs();
+        let far = least.max(S::from_f64(AWAY).min(S::from_f64(FAR) * self.deviation));
+        let clear = least.max(S::from_f64(CLEAR) * self.deviation);
+        let (mut at, mut ahead, mut step) = (*start, side, stride);
+        let (mut gone, mut halved) = (S::ZERO, 0);
+        for _ in 0..PLACES {
+            let mut next = self.next(&at, ahead * step);
+            while halved < HALVED && !next.is_some_and(|next| at.leads_to(&next, ahead * step)) {
+                halved += 1;
+                step /= S::TWO;
+                next = self.next(&at, ahead * step);
+            }
+            let Some(next) = next.filter(|_| halved < HALVED) else {
+                // Far from the target there may be no such curve.
+                return if at.missing.abs() > clear { End::Away } else { End::Lost };
+            };
+            if !self.between(&at, &next, ahead * step, DIVIDED, found) {
+                return End::Lost;
+            }
+            // Where another joint leads, it may do so in the other direction.
+            if at.rates.get(next.lead).is_some_and(|rate| *rate * ahead < S::ZERO) {
+                ahead = -S::ONE;
+            } else {
+                ahead = S::ONE;
+            }
+            at = next;
+            gone += step;
+            step = stride.min(S::TWO * step);
+            if gone > range || (at.missing.abs() > far && at.missing * at.slope * ahead > S::ZERO) {
+                return End::Away;
+            }
+            let back =
+                gone > S::TWO * S::TWO * stride && apart(&at.q, &start.q, self.unknowns) < S::TWO * stride;
+            if back && self.close(&at, start, ahead, found) {
+                return End::Closed;
+            }
+        }
+        End::Lost
+    }
+
+    /// Goes the last stride of a closed curve, if it can be one.
+    fn close(
+        &mut self,
+        at: &Place<N, S>,
+        start: &Place<N, S>,
+        ahead: S,
+        found: &mut Solutions<N, S>,
+    ) -> bool {
+        let joint = self.unknowns.get(at.lead).copied().unwrap_or(0);
+        let [from, to] = [&at.q, &start.q].map(|q| q.get(joint).copied().unwrap_or(S::ZERO));
+        let rest = (to - from).wrap_angle();
+        rest * ahead <= S::ZERO
+            || self.next(at, rest).is_some_and(|last| self.between(at, &last, rest, DIVIDED, found))
+    }
+
+    /// The place where the leading joint is farther by a stride.
+    fn next(&mut self, at: &Place<N, S>, stride: S) -> Option<Place<N, S>> {
+        let mut q = at.q;
+        for (joint, rate) in self.unknowns.iter().zip(at.rates) {
+            *q.get_mut(*joint)? += stride * rate;
+        }
+        let next = self.place(q, at.lead, Some(&at.normal))?;
+        (apart(&next.q, &q, self.unknowns) < S::from_f64(0.5) * stride.abs()).then_some(next)
+    }
+
+    /// Adds the solutions between two places, of which the leading joint of the first is a stride apart. Says whether these
+    /// are all.
+    fn between(
+        &mut self,
+        a: &Place<N, S>,
+        b: &Place<N, S>,
+        stride: S,
+        divided: u32,
+        found: &mut Solutions<N, S>,
+    ) -> bool {
+        let turned = turned_to(a, b);
+        let ends = [a.missing, b.missing];
+        let slopes = [a.slope * stride, b.slope * turned * stride];
+        let share = if ends[0] * ends[1] <= S::ZERO {
+            root(ends, slopes)
+        } else if let Some((share, least)) = lowest(ends, slopes) {
+            // Far from 0 the cubic is as good as what is missing.
+            if least > S::from_f64(0.5) * ends[0].abs().min(ends[1].abs()) {
+                return true;
+            }
+            let Some(middle) = self.next(a, stride * share) else { return false };
+            let noise = S::from_f64(256.0) * S::EPSILON;
+            if middle.missing.abs() <= noise && middle.slope.abs() <= S::SQRT_EPSILON {
+                // A double root, as far as rounding tells.
+                if let Some(hit) = self.bring(middle.q) {
+                    found.push(hit, self.labels.windings);
+                }
+                return true;
+            }
+            if divided == 0 {
+                return false;
+            }
+            return self.between(a, &middle, stride * share, divided - 1, found)
+                && self.between(
+                    &middle,
+                    b,
+                    stride * (S::ONE - share) * turned_to(a, &middle),
+                    divided - 1,
+                    found,
+                );
+        } else {
+            return true;
+        };
+        let mut q = a.q;
+        for (value, to) in q.iter_mut().zip(b.q) {
+            *value += share * (to - *value);
+        }
+        let size = S::from_f64(BESIDE) * stride.abs();
+        let exact = &mut self.pose_and_jacobian;
+        if let Some(hit) = newton::solve(q, self.unknowns, self.target, self.reach, exact)
+            && apart(&hit.at.q, &q, self.unknowns) <= size
+        {
+            found.push(self.labels.solution(&hit.at, hit.determinant < S::ZERO), self.labels.windings);
+            return true;
+        }
+        if divided == 0 {
+            let Some(hit) = self.bring(q) else { return false };
+            found.push(hit, self.labels.windings);
+            return apart(&hit.q, &q, self.unknowns) <= size;
+        }
+        let Some(middle) = self.next(a, stride * share) else { return false };
+        self.between(a, &middle, stride * share, divided - 1, found)
+            && self.between(&middle, b, stride * (S::ONE - share) * turned_to(a, &middle), divided - 1, found)
+    }
+
+    /// The place on the curve at joint values, as far as the leading joint is concerned.
+    fn place(
+        &mut self,
+        mut q: [S; N],
+        mut lead: usize,
+        normal: Option<&[S; UNKNOWNS]>,
+    ) -> Option<Place<N, S>> {
+        let long = S::from_f64(LONG);
+        for _ in 0..CORRECTIONS {
+            let (tool, jacobian) = (self.pose_and_jacobian)(&q);
+            let at = Equations::new(self.unknowns, &tool, &jacobian, self.target, self.reach)?;
+            let (columns, missing) = at.columns();
+            let mut reduced = Reduced::new(&columns, &missing, lead, normal);
+            for _ in 0..UNKNOWNS {
+                let Some(other) = reduced.ahead() else { break };
+                lead = other;
+                reduced = Reduced::new(&columns, &missing, lead, normal);
+            }
+            if !super::above(reduced.weakest, S::from_f64(WEAK).max(S::from_f64(WEAKEST) * self.deviation)) {
+                return None;
+            }
+            let rounding = S::from_f64(8.0) * S::EPSILON;
+            let left = reduced.left;
+            let along = reduced.missing.abs() + S::from_f64(SHARE) * reduced.slope.abs();
+            if left <= rounding || left <= S::from_f64(SHARE) * along {
+                let Reduced { missing, slope, rates, normal, .. } = reduced;
+                return Some(Place { q, lead, missing, slope, rates, normal });
+            }
+            for (joint, change) in self.unknowns.iter().zip(reduced.change) {
+                if !super::above(long, change.abs()) {
+                    return None;
+                }
+                *q.get_mut(*joint)? += change;
+            }
+        }
+        None
     }
 }
 
-/// Whether the parabola through three values, of which that in the middle is the least, comes near to 0.
-fn may_vanish<S: Float>([before, least, after]: [S; 3]) -> bool {
-    let (rise, bend) = (after - before, before - least + after - least);
-    let vertex = least - rise * rise / (S::from_f64(8.0) * bend);
-    vertex <= S::from_f64(0.5) * least || least <= S::from_f64(TOUCHES)
-}
-
-fn dot<S: Float>(a: &[S; UNKNOWNS], b: &[S; UNKNOWNS]) -> S {
-    a.iter().zip(b).fold(S::ZERO, |sum, (a, b)| sum + *a * *b)
+/// What a stride of the leading joint of one place is for that of another.
+fn turned_to<const N: usize, S: Float>(a: &Place<N, S>, b: &Place<N, S>) -> S {
+    let rate = b.rates.get(a.lead).copied().unwrap_or(S::ONE);
+    if rate == S::ZERO { S::ONE } else { S::ONE / rate }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{apart, may_vanish};
-
-    #[test]
-    fn a_parabola_that_comes_near_to_0_may_have_two_roots() {
-        assert!(may_vanish([0.3, 0.01, 1.0]), "its vertex is below 0");
-        assert!(!may_vanish([1.1, 1.0, 1.1]));
-        assert!(may_vanish([1.0, 1e-7, 1.0]), "it touches 0");
-    }
+    use super::apart;
 
     #[test]
     fn whole_turns_are_no_distance() {

@@ -23,8 +23,19 @@ const SMALL_PIVOT: f64 = 1e-4;
 /// A step that leaves more of the error than this is one of a method that isn't near a solution.
 const CONVERGES: f64 = 0.25;
 
-/// Joint values brought to a pose, with whether the determinant of the Jacobian is negative there; `None` where that is not a
-/// matter of a few steps.
+/// Joint values brought to a pose.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Found<const N: usize, S> {
+    pub(super) at: Polished<N, S>,
+    /// The determinant of the Jacobian there (reaches, rad).
+    pub(super) determinant: S,
+    /// Whether it had the other sign at the start.
+    pub(super) turned: bool,
+    /// The first step (rad, reaches), of the joint that went farthest.
+    pub(super) first: S,
+}
+
+/// Joint values brought to a pose; `None` where that is not a matter of a few steps.
 ///
 /// Where the first step is short beside what the Jacobian needs to become singular, there is one solution near the
 /// start, and the error is squared with every step \[Kantorovich; Ortega and Rheinboldt, Iterative Solution of Nonlinear
@@ -35,9 +46,10 @@ pub(super) fn solve<const N: usize, S: Float>(
     target: &Frame<S>,
     reach: S,
     mut pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
-) -> Option<(Polished<N, S>, bool)> {
+) -> Option<Found<N, S>> {
     let (mut q, mut last) = (start, S::INFINITY);
-    let mut negative = None;
+    let (mut began, mut last_determinant) = (None, None);
+    let mut first = S::ZERO;
     let long = S::ONE.max(S::ONE / reach);
     for _ in 0..STEPS {
         let (tool, jacobian) = pose_and_jacobian(&q);
@@ -48,15 +60,27 @@ pub(super) fn solve<const N: usize, S: Float>(
         let slow = error > S::from_f64(CONVERGES) * last;
         if error <= rounding || (error <= small && slow) {
             let found = Polished { q, position_error: at.position_error, rotation_error: at.rotation_error };
-            return Some((found, negative.unwrap_or_else(|| at.solution().1)));
+            let determinant = last_determinant.unwrap_or_else(|| at.solution().1);
+            let negative = determinant < S::ZERO;
+            return Some(Found {
+                at: found,
+                determinant,
+                turned: began.is_some_and(|began| began != negative),
+                first,
+            });
         }
         if slow || error.is_nan() {
             return None;
         }
         last = error;
         let mut length = S::ZERO;
-        let (step, sign) = at.solution();
-        negative = Some(sign);
+        let (step, determinant) = at.solution();
+        last_determinant = Some(determinant);
+        let sign = determinant < S::ZERO;
+        if began.is_none() {
+            first = step.iter().fold(S::ZERO, |most, change| most.max(change.abs()));
+        }
+        let began = *began.get_or_insert(sign);
         for (joint, change) in unknowns.iter().zip(step) {
             *q.get_mut(*joint)? += change;
             length += change.abs();
@@ -67,20 +91,10 @@ pub(super) fn solve<const N: usize, S: Float>(
         if left <= S::from_f64(LEFT) * S::EPSILON {
             let bound = left.max(rounding);
             let found = Polished { q, position_error: bound * reach, rotation_error: bound };
-            return Some((found, sign));
+            return Some(Found { at: found, determinant, turned: began != sign, first });
         }
     }
     None
-}
-
-/// Where joint values are, seen from a target.
-pub(super) struct Place<S> {
-    /// What is missing (reaches, then rad).
-    pub(super) missing: [S; UNKNOWNS],
-    /// Changes of the unknowns by which the tool moves least, the greatest of them 1; which that is; how little.
-    pub(super) idle: [S; UNKNOWNS],
-    pub(super) leads: usize,
-    pub(super) pivot: S,
 }
 
 /// Whether the determinant of the Jacobian is negative.
@@ -90,46 +104,11 @@ pub(super) fn is_negative<S: Float>(
     jacobian: &[[S; 6]],
     reach: S,
 ) -> bool {
-    Equations::new(unknowns, tool, jacobian, tool, reach).is_some_and(|mut at| at.pivoted().1)
-}
-
-/// See [`Place`].
-pub(super) fn place<S: Float>(
-    unknowns: &[usize; UNKNOWNS],
-    tool: &Frame<S>,
-    jacobian: &[[S; 6]],
-    target: &Frame<S>,
-    reach: S,
-) -> Option<Place<S>> {
-    let mut at = Equations::new(unknowns, tool, jacobian, target, reach)?;
-    let missing = at.rows.map(|row| row[UNKNOWNS]);
-    at.triangular();
-    let a = &at.rows;
-    let (mut pivot, mut column) = (S::INFINITY, 0);
-    for (k, row) in a.iter().enumerate() {
-        if row[k].abs() <= pivot {
-            (pivot, column) = (row[k].abs(), k);
-        }
-    }
-    let mut idle = [S::ZERO; UNKNOWNS];
-    idle[column] = S::ONE;
-    let mut leads = column;
-    for k in (0..column).rev() {
-        let mut value = S::ZERO;
-        for j in k + 1..=column {
-            value -= a[k][j] * idle[j];
-        }
-        idle[k] = value / a[k][k];
-        if idle[k].abs() > idle[leads].abs() {
-            leads = k;
-        }
-    }
-    let most = idle[leads];
-    Some(Place { missing, idle: idle.map(|part| part / most), leads, pivot })
+    Equations::new(unknowns, tool, jacobian, tool, reach).is_some_and(|mut at| at.pivoted().1 < S::ZERO)
 }
 
 /// What is missing of a pose, and the change of joint values that makes up for it.
-struct Equations<S> {
+pub(super) struct Equations<S> {
     /// Columns of the Jacobian, and what is missing: reaches, then rad.
     rows: [[S; UNKNOWNS + 1]; UNKNOWNS],
     /// m
@@ -141,7 +120,7 @@ struct Equations<S> {
 impl<S: Float> Equations<S> {
     /// At a tool frame with its Jacobian.
     #[inline]
-    fn new(
+    pub(super) fn new(
         unknowns: &[usize; UNKNOWNS],
         tool: &Frame<S>,
         jacobian: &[[S; 6]],
@@ -168,9 +147,14 @@ impl<S: Float> Equations<S> {
         Some(Self { rows, position_error: norm(away), rotation_error: norm(turned) })
     }
 
-    /// By Gaussian elimination, with whether the determinant is negative; not finite where the equations are singular.
+    /// Columns of the Jacobian, and what is missing: reaches, then rad.
+    pub(super) fn columns(&self) -> ([[S; UNKNOWNS]; UNKNOWNS], [S; UNKNOWNS]) {
+        (core::array::from_fn(|place| self.rows.map(|row| row[place])), self.rows.map(|row| row[UNKNOWNS]))
+    }
+
+    /// By Gaussian elimination, with the determinant; not finite where the equations are singular.
     #[inline]
-    fn solution(&mut self) -> ([S; UNKNOWNS], bool) {
+    fn solution(&mut self) -> ([S; UNKNOWNS], S) {
         // A digit that is lost here is made up for by the next step: rows are exchanged only where many are.
         unpivoted(&self.rows).unwrap_or_else(|| self.pivoted())
     }
@@ -178,11 +162,12 @@ impl<S: Float> Equations<S> {
     /// With partial pivoting.
     #[cold]
     #[inline(never)]
-    fn pivoted(&mut self) -> ([S; UNKNOWNS], bool) {
+    fn pivoted(&mut self) -> ([S; UNKNOWNS], S) {
         let exchanged = self.triangular();
         let pivots = self.rows.iter().enumerate().map(|(k, row)| row[k]);
-        let negative = pivots.fold(exchanged, |negative, pivot| negative ^ (pivot < S::ZERO));
-        (substitute(&self.rows), negative)
+        let determinant =
+            pivots.fold(if exchanged { -S::ONE } else { S::ONE }, |product, pivot| product * pivot);
+        (substitute(&self.rows), determinant)
     }
 
     /// Says whether rows were exchanged an odd number of times.
@@ -206,15 +191,15 @@ impl<S: Float> Equations<S> {
 
 /// Elimination with the rows as they come, or `None` where a pivot is small.
 #[inline]
-fn unpivoted<S: Float>(rows: &[[S; UNKNOWNS + 1]; UNKNOWNS]) -> Option<([S; UNKNOWNS], bool)> {
+fn unpivoted<S: Float>(rows: &[[S; UNKNOWNS + 1]; UNKNOWNS]) -> Option<([S; UNKNOWNS], S)> {
     let [a, mut b, mut c, mut d, mut e, mut f] = *rows;
     let mut least = S::INFINITY;
-    let mut negative = false;
+    let mut determinant = S::ONE;
     macro_rules! eliminated {
         ($k:literal, $top:ident: $($row:ident),*) => {{
             let size = $top[$k].abs();
             least = if size < least { size } else { least };
-            negative ^= $top[$k] < S::ZERO;
+            determinant *= $top[$k];
             let inverse = S::ONE / $top[$k];
             $(
                 let factor = $row[$k] * inverse;
@@ -236,14 +221,14 @@ fn unpivoted<S: Float>(rows: &[[S; UNKNOWNS + 1]; UNKNOWNS]) -> Option<([S; UNKN
     if !super::above(least, S::from_f64(SMALL_PIVOT)) {
         return None;
     }
-    negative ^= f[5] < S::ZERO;
+    determinant *= f[5];
     let z = f[6] / f[5];
     let y = (e[6] - e[5] * z) * ie;
     let x = (d[6] - d[5] * z - d[4] * y) * id;
     let w = (c[6] - c[5] * z - c[4] * y - c[3] * x) * ic;
     let v = (b[6] - b[5] * z - b[4] * y - b[3] * x - b[2] * w) * ib;
     let u = (a[6] - a[5] * z - a[4] * y - a[3] * x - a[2] * w - a[1] * v) * ia;
-    Some(([u, v, w, x, y, z], negative))
+    Some(([u, v, w, x, y, z], determinant))
 }
 
 /// Takes the unknown of column `k` out of the rows below row `k`.
@@ -301,10 +286,10 @@ mod tests {
     #[test]
     fn equations_are_solved_with_rows_as_they_come_and_exchanged() {
         let plain = rows(false);
-        let (x, negative) = unpivoted(&plain).expect("no small pivot");
+        let (x, determinant) = unpivoted(&plain).expect("no small pivot");
         assert!(left(&plain, &x) < 1e-12);
         let mut equations = Equations { rows: plain, position_error: 0.0, rotation_error: 0.0 };
-        assert_eq!(equations.pivoted().1, negative);
+        assert!((equations.pivoted().1 - determinant).abs() < 1e-12);
         let hidden = rows(true);
         assert!(unpivoted(&hidden).is_none());
         let mut equations = Equations { rows: hidden, position_error: 0.0, rotation_error: 0.0 };

@@ -3,7 +3,7 @@
 //! Joint values that bring the arm as it is to the target bring the one that was meant to a pose near by. Where its closed
 //! form is singular at the target, it is not at most of these; roots that have met at the target part on one side of it.
 
-use super::curve::{Arm, STRIDE, apart};
+use super::curve::{Arm, apart};
 use super::{Exact, Near, UNKNOWNS};
 use crate::frame::{norm, sub};
 use crate::polish::Polished;
@@ -52,8 +52,10 @@ const SAME: f64 = 1e-5;
 /// Where Newton's method does not converge, curves are followed at so many poses.
 const FOLLOWED: u32 = 5;
 
-/// Where a pivot is this small, solutions may be near to each other.
+/// Where the tool moves as little as this with a joint (reaches, rad), solutions may be near to each other; where it is as little
+/// as that, so near that some may be missing.
 const NEARLY_SINGULAR: f64 = 0.03;
+const CROWDED: f64 = 5e-4;
 
 impl<const N: usize, S: Float> Near<'_, N, S> {
     /// The next pose to be asked for: first the target itself, then others in opposite pairs.
@@ -91,7 +93,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
             pose: *target,
             asked: 0,
             idle: 0,
-            found: Solutions::EMPTY,
+            found: self.search.solutions.copied(),
             complete: false,
             crowded: false,
             walked: [[S::ZERO; N]; PLACES],
@@ -144,11 +146,20 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         }
         let unknowns = &self.unknowns;
         let labels = &self.labels;
-        let mut arm = Arm { unknowns, target: &target, reach, labels, pose_and_jacobian };
+        let mut arm = Arm {
+            unknowns,
+            target: &target,
+            reach,
+            labels,
+            deviation: S::from_f64(self.deviation),
+            pose_and_jacobian,
+        };
         let from = match arm.bring(q) {
             Some(found) => {
-                let pivot = arm.take(found, seek);
-                if seek.was_at(&found.q, unknowns) || pivot > S::from_f64(NEARLY_SINGULAR) {
+                seek.add(found, self.search.windings);
+                let stiffness = arm.stiffness(found.q);
+                seek.crowded |= stiffness < S::from_f64(CROWDED);
+                if seek.was_at(&found.q, unknowns) || stiffness > S::from_f64(NEARLY_SINGULAR) {
                     return;
                 }
                 found.q
@@ -157,10 +168,11 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
             None => return,
         };
         // There may be others on the curve along which the tool hardly moves.
-        for side in [S::ONE, -S::ONE] {
-            if arm.walk(from, side * S::from_f64(STRIDE), 1, seek) {
-                break;
-            }
+        seek.note(from);
+        let before = seek.found.len();
+        arm.follow(from, S::INFINITY, &mut seek.found);
+        if seek.found.len() > before {
+            seek.idle = 0;
         }
     }
 
@@ -204,7 +216,7 @@ impl<const N: usize, S: Float> Seek<N, S> {
         walked.any(|place| apart(place, q, unknowns) <= S::from_f64(SAME))
     }
 
-    pub(super) fn note(&mut self, q: [S; N]) {
+    fn note(&mut self, q: [S; N]) {
         if let Some(slot) = self.walked.get_mut(self.places) {
             *slot = q;
             self.places += 1;

@@ -1,0 +1,222 @@
+//! The steps of the closed form, with account of what their unknowns may be off by.
+//!
+//! A step whose two roots have met, or that has none but may have one of the arm as it is, gives the root between; one whose
+//! coefficients vanish gives any. What follows from there is near the curve on which the solutions are ([`super::curve`]).
+
+use super::super::trigonometric::both;
+use super::{MARGIN, Near, UNSURE, above, row};
+use crate::{Float, Roots, Step};
+
+/// Sines that are smaller than this are taken for 0 where another step has a double root.
+const CROSSED: f64 = 0.1;
+
+/// Cosine and sine that are off the unit circle by more than this belong to no root.
+const FALSE: f64 = 0.25;
+
+/// Rows of which the larger is more than so many times what it may be off by don't vanish.
+const LARGE: f64 = 10.0;
+
+impl<const N: usize, S: Float> Near<'_, N, S> {
+    /// What a step's equation may be off by, in its own dimension; and that as if all earlier unknowns were right.
+    #[inline]
+    fn begin(&mut self, step: Step) -> [S; 2] {
+        let index = usize::from(step.index);
+        // This step and those that follow it.
+        self.singular = self.singular.without(!(step.bit() - 1));
+        let Some([deviation, gains @ ..]) = self.gains.get(row(index)..row(index + 1)) else {
+            return [S::INFINITY; 2];
+        };
+        let own = S::from_f64(*deviation);
+        let mut off = own;
+        for (gain, by) in gains.iter().zip(&self.off) {
+            off += S::from_f64(*gain) * *by;
+            // Of an unknown that may be anything, nothing follows.
+            if *gain > 0.0 && *by >= S::from_f64(UNSURE) {
+                off = S::INFINITY;
+            }
+        }
+        let scale = step.measure.scale(self.search.reach);
+        [off * scale, own * scale]
+    }
+
+    /// Doubts a step that may have no root, if it depends on an unknown that is any: the curve through one value of that may
+    /// be one of several.
+    #[inline]
+    fn doubt_if_adrift(&mut self, step: Step) {
+        if self.singular.idle != 0 {
+            let index = usize::from(step.index);
+            let gains = self.gains.get(row(index) + 1..row(index + 1)).unwrap_or_default();
+            let idle = |(place, gain): (usize, &f64)| *gain > 0.0 && self.singular.idle & (1 << place) != 0;
+            self.doubtful |= gains.iter().enumerate().any(idle);
+        }
+    }
+
+    /// Notes by how much (rad, reaches) the unknown of a step may be off.
+    #[inline]
+    fn end(&mut self, step: Step, by: S) {
+        let most = S::from_f64(UNSURE);
+        if let Some(off) = self.off.get_mut(usize::from(step.index)) {
+            *off = if by < most { by } else { most };
+        }
+    }
+
+    #[cold]
+    fn doubt(&mut self) -> Roots<S> {
+        self.doubtful = true;
+        Roots::NONE
+    }
+
+    /// Notes that the unknown of a step is any.
+    fn any(&mut self, step: Step) {
+        self.singular.idle |= step.bit();
+        self.end(step, S::ZERO);
+    }
+
+    /// [`Search::trig`](crate::Search::trig): its two roots meet where a² + b² = c².
+    #[inline]
+    pub fn trig(&mut self, step: Step, a: S, b: S, c: S) -> Roots<S> {
+        if self.seek.is_some() {
+            return self.search.trig(step, a, b, c);
+        }
+        self.doubt_if_adrift(step);
+        let [off, own] = self.begin(step);
+        let square = a * a + b * b;
+        let rest = square - c * c;
+        if rest > S::ZERO && rest * rest > own * own * square {
+            let root = rest.sqrt();
+            self.end(step, off / root);
+            return both(a, b, c, root, S::ONE / square);
+        }
+        self.trig_at_fold(step, [a, b, c], [off, own])
+    }
+
+    /// Two roots that are about to meet, or have met.
+    #[cold]
+    #[inline(never)]
+    fn trig_at_fold(&mut self, step: Step, [a, b, c]: [S; 3], [off, own]: [S; 2]) -> Roots<S> {
+        let h = (a * a + b * b).sqrt();
+        let excess = c.abs() - h;
+        if excess > S::ZERO {
+            self.search.unreachable_by(step, excess, h);
+        }
+        if excess > S::from_f64(MARGIN) * off && off.is_finite() {
+            self.doubtful |= self.singular.idle != 0;
+            return Roots::NONE;
+        }
+        if above(S::from_f64(MARGIN) * own, h) {
+            self.any(step);
+        } else {
+            self.singular.folds |= step.bit();
+            self.singular.beyond |= if excess > S::ZERO { step.bit() } else { 0 };
+            self.end(step, (S::TWO * off / h).sqrt());
+        }
+        let unit = S::ONE / h;
+        Roots::angle(match h > S::ZERO {
+            true if c < S::ZERO => [-b * unit, -a * unit],
+            true => [b * unit, a * unit],
+            false => [S::ZERO, S::ONE],
+        })
+    }
+
+    /// [`Search::trig_unit`](crate::Search::trig_unit): its two roots meet where d and e vanish.
+    #[inline]
+    pub fn trig_unit(&mut self, step: Step, row: [S; 3], others: [S; 2]) -> Roots<S> {
+        if self.seek.is_some() {
+            return self.search.trig_unit(step, row, others);
+        }
+        self.doubt_if_adrift(step);
+        let ([a, b, c], [d, e]) = (row, others);
+        let [off, own] = self.begin(step);
+        let rest = d * d + e * e;
+        // Where roots of a step before may have met, this one is not known any better.
+        let sure = if self.singular.folds == 0 { own } else { off.min(own.max(S::from_f64(CROSSED))) };
+        let margin = S::from_f64(MARGIN) * sure;
+        if !above(rest, margin * margin) {
+            self.singular.poles |= step.bit();
+            self.end(step, margin + off);
+            return Roots::angle(if c < S::ZERO { [-b, -a] } else { [b, a] });
+        }
+        self.end(step, off);
+        let unit = S::ONE / (rest + c * c);
+        let root = unit.sqrt();
+        both(a, b, c * root, rest.sqrt() * root, S::ONE)
+    }
+
+    /// [`Search::trig_pair`](crate::Search::trig_pair): it has no root where the rows are one, or vanish.
+    #[inline]
+    pub fn trig_pair(&mut self, step: Step, first: [S; 3], second: [S; 3]) -> Roots<S> {
+        if self.seek.is_some() {
+            return self.search.trig_pair(step, first, second);
+        }
+        let [off, own] = self.begin(step);
+        let ([a1, b1, c1], [a2, b2, c2]) = (first, second);
+        let determinant = a1 * b2 - a2 * b1;
+        let (h1, h2) = (a1 * a1 + b1 * b1, a2 * a2 + b2 * b2);
+        let h = if h1 > h2 { h1 } else { h2 };
+        let inverse = S::ONE / determinant;
+        let per_off = h.sqrt() * inverse.abs();
+        let (cos, sin) = ((c1 * b2 - c2 * b1) * inverse, (a1 * c2 - a2 * c1) * inverse);
+        let length = (cos * cos + sin * sin).sqrt();
+        if !above(S::from_f64(UNSURE), own * per_off) {
+            if above(h, S::from_f64(LARGE * LARGE) * own * own) {
+                return self.doubt();
+            }
+            self.any(step);
+            let sure = length > S::ZERO && length.is_finite();
+            return Roots::angle(if sure { [sin / length, cos / length] } else { [S::ZERO, S::ONE] });
+        }
+        let by = off * per_off;
+        let miss = (length - S::ONE).abs();
+        self.end(step, by);
+        if miss > S::from_f64(MARGIN) * by + S::from_f64(FALSE) {
+            self.doubtful |= self.singular.idle != 0;
+            return self.search.unreachable_by(step, miss * h.sqrt(), h.sqrt());
+        }
+        let unit = S::ONE / length;
+        Roots::angle([sin * unit, cos * unit])
+    }
+
+    /// [`Search::linear`](crate::Search::linear): it has no root where a vanishes.
+    pub fn linear(&mut self, step: Step, a: S, c: S) -> Roots<S> {
+        if self.seek.is_some() {
+            return self.search.linear(step, a, c);
+        }
+        let [off, _] = self.begin(step);
+        let unit = if step.prismatic { self.search.reach } else { S::ONE };
+        let slope = (a * unit).abs();
+        if !above(slope, S::from_f64(MARGIN) * off) {
+            return self.doubt();
+        }
+        let root = c / a;
+        self.end(step, off * (S::ONE + (root / unit).abs()) / slope);
+        Roots::value(root)
+    }
+
+    /// [`Search::quadratic`](crate::Search::quadratic): its two roots meet where b² = 4 a c.
+    pub fn quadratic(&mut self, step: Step, a: S, b: S, c: S) -> Roots<S> {
+        if self.seek.is_some() {
+            return self.search.quadratic(step, a, b, c);
+        }
+        self.doubt_if_adrift(step);
+        let [off, _] = self.begin(step);
+        let unit = if step.prismatic { self.search.reach } else { S::ONE };
+        let (a, half) = (a * unit * unit, b * unit / S::TWO);
+        let (square, product) = (half * half, a * c);
+        let rest = square - product;
+        let size = half.abs() + a.abs() + c.abs();
+        let margin = S::TWO * S::from_f64(MARGIN) * off;
+        if !(above(rest.abs(), margin * size) && above(a.abs(), margin)) {
+            return self.doubt();
+        }
+        if rest < S::ZERO {
+            let excess = (product.sqrt() - half.abs()) / a.abs();
+            return self.search.unreachable_by(step, excess * unit, S::ONE);
+        }
+        let root = rest.sqrt();
+        let greater = if half < S::ZERO { root - half } else { -(half + root) };
+        let (first, second) = (greater / a, c / greater);
+        let far = first.abs().max(second.abs()).max(S::ONE);
+        self.end(step, off * far * far / root);
+        Roots::values(first * unit, second * unit)
+    }
+}
