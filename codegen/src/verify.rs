@@ -137,10 +137,13 @@ pub fn confirm(model: &Model, plan: &mut Plan, level: Level, second: impl Fn(&Fu
 /// What is said of a function that failed.
 fn diagnostic(model: &Model, function: &FunctionReport, failure: &str) -> Diagnostic {
     let message = format!("`{}` is left out, since it did not stand verification: {failure}", function.name);
+    let overfull = function.inverse.as_ref().is_some_and(|inverse| inverse.overfull);
     // The table is not at fault, and the functions that stood it can be used.
-    let warning = Diagnostic::warning(VERIFICATION, message).help(
-        "this is a mistake of the compiler, not of the table; please report it together with the table",
-    );
+    let warning = Diagnostic::warning(VERIFICATION, message).help(if overfull {
+        "give the problem a constraint more, or leave a joint of it to the caller with `free`, so that fewer solutions are left"
+    } else {
+        "this is a mistake of the compiler, not of the table; please report it together with the table"
+    });
     match function.kind {
         FunctionKind::Inverse(Some(index)) => match model.problems.get(index) {
             Some(problem) => warning.at(problem.span.clone(), "this problem is not solved"),

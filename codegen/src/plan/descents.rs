@@ -1,9 +1,7 @@
 //! Functions for what nothing better is known of: one step that searches for all unknowns at once.
 
-use super::general::sum;
-use super::{
-    Counts, Form, Function, FunctionKind, Measure, Scalar, Stage, Step, ValueId, target_inputs, unknowns,
-};
+use super::general::{inputs, sum};
+use super::{Counts, Form, Function, FunctionKind, Measure, Scalar, Stage, Step, ValueId, unknowns};
 use crate::model::{JointKind, Model, Problem, Target};
 use crate::symbolic::inverse_kinematics::rows::{self, Rows};
 use crate::symbolic::inverse_kinematics::{Linear, Refusal};
@@ -77,12 +75,7 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
     chain.patience = rarest.patience();
     let origin = rarest.origin(chain.patience);
 
-    let mut values: Vec<String> = target_inputs(problem.target).iter().map(|&name| name.to_owned()).collect();
-    let first_given = values.len();
-    values.extend(problem.free.iter().map(|joint| {
-        let row = model.joints.get(*joint).copied().unwrap_or_default();
-        format!("q{}", row + 1)
-    }));
+    let (mut values, first_given) = inputs(model, problem);
     let inputs = values.len();
     let names: Vec<String> = rows.unknowns.iter().map(|unknown| name(model, unknown.row)).collect();
     let roots: Vec<ValueId> = (inputs..inputs + unknowns).map(ValueId).collect();

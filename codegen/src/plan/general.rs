@@ -59,12 +59,7 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         return Err(Refusal::NoClosedForm);
     }
     let stage = stage(&general, charts.first());
-    let mut values: Vec<String> = target_inputs(problem.target).iter().map(|&name| name.to_owned()).collect();
-    let first_given = values.len();
-    values.extend(problem.free.iter().map(|joint| {
-        let row = model.joints.get(*joint).copied().unwrap_or_default();
-        format!("q{}", row + 1)
-    }));
+    let (mut values, first_given) = inputs(model, problem);
     let inputs = values.len();
     let mut behind = 0;
     let mut roots = Vec::new();
@@ -110,6 +105,17 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         agreement: None,
     };
     Ok(Rated { function, badness })
+}
+
+/// The names of what a function takes: what the target prescribes, then the joints that the caller gives, from that place on.
+pub(super) fn inputs(model: &Model, problem: &Problem) -> (Vec<String>, usize) {
+    let mut values: Vec<String> = target_inputs(problem.target).iter().map(|&name| name.to_owned()).collect();
+    let first_given = values.len();
+    values.extend(problem.free.iter().map(|joint| {
+        let row = model.joints.get(*joint).copied().unwrap_or_default();
+        format!("q{}", row + 1)
+    }));
+    (values, first_given)
 }
 
 /// The same function with its second choice of joints in the first place.

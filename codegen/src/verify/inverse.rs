@@ -87,7 +87,9 @@ impl Inverse<'_> {
             return Ok(());
         }
         let full = answer.as_ref().is_ok_and(|solutions| solutions.dropped() > 0);
-        original(nearest, smallest, inverse).map_err(|failure| {
+        let found = original(nearest, smallest, inverse);
+        inverse.overfull |= full && found.is_err();
+        found.map_err(|failure| {
             if full {
                 format!("there are more than {MAX_SOLUTIONS} solutions, as many as are kept: {failure}")
             } else {

@@ -41,6 +41,8 @@ pub struct InverseReport {
     pub singular: usize,
     /// `solutions[n]`: poses that had n solutions.
     pub solutions: Vec<usize>,
+    /// Whether an original was lost where there are more solutions than are kept (`dh_core::MAX_SOLUTIONS`).
+    pub overfull: bool,
 }
 
 impl FunctionReport {

@@ -3,7 +3,7 @@
 use super::Search;
 use crate::descents::{Found, RowChain};
 use crate::general::{GeneralArm, JOINTS, SixJoints, same};
-use crate::{Float, Frame, IkError, MAX_SOLUTIONS, Step, Target};
+use crate::{Float, Frame, IkError, MAX_JOINTS, MAX_SOLUTIONS, Step, Target};
 
 /// How many candidates are kept: the sixteen solutions that six joints can have, and what double roots add.
 const MAX_CANDIDATES: usize = 64;
@@ -65,6 +65,13 @@ impl Candidates {
     }
 }
 
+/// Values of joints that the caller gives, then zeros.
+fn in_f64<S: Float>(given: &[S]) -> [f64; MAX_JOINTS] {
+    let mut values = [0.0; MAX_JOINTS];
+    values.iter_mut().zip(given).for_each(|(value, given)| *value = given.to_f64());
+    values
+}
+
 impl<const N: usize, S: Float> Search<'_, N, S> {
     /// The values (rad, m) of the six joints of a chain that are not given, for a target that prescribes its tip wholly
     /// or with the help of joints at the tip that only the chain has. Computed in f64.
@@ -79,10 +86,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     ) -> Candidates {
         let _ = self.begin(step);
         let mut candidates = Candidates::none(step);
-        let mut values = [0.0; crate::MAX_JOINTS];
-        for (value, given) in values.iter_mut().zip(given) {
-            *value = given.to_f64();
-        }
+        let values = in_f64(given);
         let (Some(pose), Some(six)) = (target.frame(), arm.six(&values)) else {
             return candidates;
         };
@@ -125,8 +129,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     ) -> Candidates {
         let _ = self.begin(step);
         let mut candidates = Candidates::none(step);
-        let mut values = [0.0; crate::MAX_JOINTS];
-        values.iter_mut().zip(given).for_each(|(value, given)| *value = given.to_f64());
+        let values = in_f64(given);
         let given = values.get(..given.len()).unwrap_or(&values);
         let (wanted, aside) = self.wanted_of_all();
         // Rounding to S leaves rotations and directions that f64 can tell from such.
