@@ -4,7 +4,8 @@
 //! brought to the pose of the arm as it is by Newton's method. None is lost by this as long as every step of the closed form
 //! is well-conditioned: joint values of the arm meet the steps' equations but for the deviation of the two arms, and so are
 //! near a root of each, one after the other. What they may be off by is carried from step to step, and where it comes near
-//! what would make two roots one, or no root of one, poses all around the target are solved as well ([`seek`]).
+//! what would make two roots one, or no root of one, solutions are looked for along the curve on which the tool hardly moves
+//! ([`curve`]); where that is not enough, by the general chain and at poses all around the target ([`seek`]).
 
 mod cubic;
 mod curve;

@@ -37,11 +37,18 @@ const SHARE: f64 = 1e-2;
 /// Five joints of which one moves the tool by less than this (reaches, rad) in a direction of its own are singular themselves.
 const WEAK: f64 = 1e-3;
 
+/// The same in multiples of what the arm is off by: the greater of the two counts.
+const WEAKEST: f64 = 3.0;
+
 /// The curve is left where more than this (reaches, rad) is missing and more would be.
 const AWAY: f64 = 0.05;
+
+/// The same in multiples of what the arm is off by: the less of the two counts. What the arm is off by makes solutions no farther
+/// from a pose than some of them.
 const FAR: f64 = 6.0;
+
+/// A curve that is lost where more than so many times what the arm is off by are missing has left the target.
 const CLEAR: f64 = 3.0;
-const WEAKEST: f64 = 3.0;
 
 /// An interval is divided so often where the missing is least, as long as it may vanish there.
 const DIVIDED: u32 = 6;
