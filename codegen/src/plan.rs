@@ -299,6 +299,13 @@ pub enum Equation {
         /// Second equation: a, b, c.
         second: [Scalar; 3],
     },
+    /// The same where each follows from the other at targets that can be met, wherever both say something: two roots.
+    TrigEither {
+        /// First equation: a, b, c.
+        first: [Scalar; 3],
+        /// Second equation: a, b, c.
+        second: [Scalar; 3],
+    },
     /// a x = c: one root.
     Linear {
         /// Coefficient.

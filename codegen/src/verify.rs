@@ -33,7 +33,7 @@ use crate::diagnostic::catalogue::VERIFICATION;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::Model;
 use crate::plan::eval::Program;
-use crate::plan::{Function, FunctionKind, Plan};
+use crate::plan::{Function, FunctionKind, Plan, Step};
 use constraints::Constraints;
 use reference::Reference;
 
@@ -58,12 +58,22 @@ pub const COMPLETE_NEAR_SINGULAR: f64 = 1e-13;
 /// How thoroughly to verify.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
-    /// A few poses, for macros: cheap even in unoptimised builds.
+    /// For macros, cheap even in unoptimised builds: closed forms of inverse problems as in `Full`, so that the same ones
+    /// are kept; all else at a few poses.
     Quick,
     /// Some hundred poses with singular ones and the neighbourhood of these, for `dhc check` and tests.
     Full,
     /// The same with so many random poses, and more of the others too.
     Poses(u32),
+}
+
+impl Level {
+    /// How thoroughly an inverse function is verified. A closed form that fails at a special pose only is replaced by
+    /// another way, on which all must agree who compile the table.
+    fn of(self, function: &Function) -> Level {
+        let closed = matches!(function.steps.as_slice(), [.., Step::Solve { .. } | Step::Accept { .. }]);
+        if closed && self == Level::Quick { Level::Full } else { self }
+    }
 }
 
 /// What errors may be (m, rad).
@@ -221,8 +231,9 @@ impl Verification<'_> {
         if report.inverse.is_none() {
             forward::verify(&program, references, self.reach, report);
         } else if plan.functions.iter().any(|function| function.kind == FunctionKind::Fk) {
-            let free = plan.functions.last().map_or(&[][..], |function| &function.free);
-            self.inverse(&program, free, report);
+            if let Some(function) = plan.functions.last() {
+                self.inverse(&program, function, report);
+            }
         } else {
             report.failure = Some("it relies on `fk`, which failed".to_owned());
         }
@@ -237,7 +248,7 @@ impl Verification<'_> {
         report
     }
 
-    fn inverse(&self, program: &Program<'_>, free: &[usize], report: &mut FunctionReport) {
+    fn inverse(&self, program: &Program<'_>, function: &Function, report: &mut FunctionReport) {
         let FunctionKind::Inverse(problem) = report.kind else {
             return;
         };
@@ -248,11 +259,11 @@ impl Verification<'_> {
             program,
             problem,
             constraints: &constraints,
-            free,
+            free: &function.free,
             windings: &program.windings(),
             reach: self.reach,
         };
-        inverse.verify(self.level, report);
+        inverse.verify(self.level.of(function), report);
     }
 }
 

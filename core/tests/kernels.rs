@@ -102,6 +102,27 @@ fn trig_keeps_its_digits_at_the_edge() {
     assert!(miss(roots, exact) < 1e-21, "{}", miss(roots, exact));
 }
 
+/// 2 cos x = 1 and 0 = 0, in either order, and in a size in which the other row is no more than rounding.
+fn trig_of_the_larger_row<S: Float>() {
+    let (row, third) = ([S::TWO, S::ZERO, S::ONE], S::PI / S::from_f64(3.0));
+    for other in [[S::ZERO; 3], [S::EPSILON, S::EPSILON, -S::EPSILON], [-S::ONE, S::ZERO, -S::ONE / S::TWO]] {
+        for (first, second) in [(row, other), (other, row)] {
+            let roots = search().trig_either(RATIO, first, second);
+            assert_eq!(roots.len(), 2);
+            let off = miss(roots.clone(), third).max(miss(roots, -third));
+            assert!(off <= S::from_f64(4.0) * S::EPSILON, "{off}");
+        }
+    }
+    let noise = S::from_f64(4.0) * S::EPSILON;
+    assert_eq!(is_free(|s| s.trig_either(RATIO, [noise, noise, S::ZERO], [S::ZERO; 3])), Some(1));
+}
+
+#[test]
+fn of_two_rows_that_say_the_same_the_larger_one_is_solved() {
+    trig_of_the_larger_row::<f64>();
+    trig_of_the_larger_row::<f32>();
+}
+
 fn trig_beyond<S: Float>() {
     let (a, b, c) = (S::from_f64(0.3), S::from_f64(0.4), S::from_f64(-0.6));
     let tolerance = S::from_f64(8.0) * S::EPSILON;

@@ -189,7 +189,10 @@ fn roots(steps: &[Step]) -> Vec<usize> {
         match step {
             Step::Solve { equation, body, .. } => {
                 found.push(match equation {
-                    Equation::Trig { .. } | Equation::TrigUnit { .. } | Equation::Quadratic { .. } => 2,
+                    Equation::Trig { .. }
+                    | Equation::TrigUnit { .. }
+                    | Equation::TrigEither { .. }
+                    | Equation::Quadratic { .. } => 2,
                     Equation::TrigPair { .. } | Equation::Linear { .. } => 1,
                     Equation::Quartic { .. } => 4,
                 });

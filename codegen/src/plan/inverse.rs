@@ -215,6 +215,9 @@ fn equation(kind: &StageEquation, scalars: Vec<Scalar>) -> Option<Equation> {
         StageEquation::TrigPair(..) => {
             Equation::TrigPair { first: [next()?, next()?, next()?], second: [next()?, next()?, next()?] }
         }
+        StageEquation::TrigEither(..) => {
+            Equation::TrigEither { first: [next()?, next()?, next()?], second: [next()?, next()?, next()?] }
+        }
         StageEquation::Linear(_) => Equation::Linear { a: next()?, c: next()? },
         StageEquation::Quadratic(_) => Equation::Quadratic { a: next()?, b: next()?, c: next()? },
         StageEquation::Quartic(..) => {

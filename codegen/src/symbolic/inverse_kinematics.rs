@@ -111,8 +111,10 @@ pub enum StageEquation {
     Trig([Expr; 3]),
     /// The same where a^2 + b^2 = 1 and c is a coordinate of a unit vector, with the other two coordinates of it.
     TrigUnit([Expr; 3], [Expr; 2]),
-    /// Two of those.
+    /// Two of those, which are independent.
     TrigPair([Expr; 3], [Expr; 3]),
+    /// Two of those, which say the same wherever both say something.
+    TrigEither([Expr; 3], [Expr; 3]),
     /// a x = c
     Linear([Expr; 2]),
     /// a x^2 + b x + c = 0
@@ -125,7 +127,7 @@ impl StageEquation {
     /// How many roots it has at most.
     pub fn roots(&self) -> usize {
         match self {
-            Self::Trig(_) | Self::TrigUnit(..) | Self::Quadratic(_) => 2,
+            Self::Trig(_) | Self::TrigUnit(..) | Self::TrigEither(..) | Self::Quadratic(_) => 2,
             Self::TrigPair(..) | Self::Linear(_) => 1,
             Self::Quartic(..) => 4,
         }
@@ -136,7 +138,7 @@ impl StageEquation {
         match self {
             Self::Trig(list) | Self::Quadratic(list) => list.to_vec(),
             Self::TrigUnit(list, others) => list.iter().chain(others).copied().collect(),
-            Self::TrigPair(first, second) => [*first, *second].concat(),
+            Self::TrigPair(first, second) | Self::TrigEither(first, second) => [*first, *second].concat(),
             Self::Linear(list) => list.to_vec(),
             Self::Quartic([first, second], right) => [&first[..], second, &[*right]].concat(),
         }
@@ -276,14 +278,15 @@ fn cut(
     let Some((atoms, equations)) = circuit.point()? else { return Ok(None) };
     let samples = samples::draw(model, Target::Pose, unknowns, &atoms);
     let before = circuit::open_in(&open, &equations);
-    let start = search::State { atoms, equations, open: before, samples, found: Vec::new() };
+    let start =
+        search::State { overdetermined: false, atoms, equations, open: before, samples, found: Vec::new() };
     let Some(end) = search::run(circuit.arena(), start, steps)? else { return Ok(None) };
     let mut open = open;
     open.angles.retain(|angle| !end.found.iter().any(|found| found.unknown.place() == Some(*angle)));
     open.slides
         .retain(|slide| !end.found.iter().any(|found| found.unknown == search::Unknown::Slide(*slide)));
     let (atoms, equations) = circuit.rotation(end.atoms, &end.found, &open)?;
-    let start = search::State { atoms, equations, open, samples: end.samples, found: end.found };
+    let start = search::State { atoms, equations, open, ..end };
     Ok(search::run(circuit.arena(), start, steps)?)
 }
 
@@ -304,7 +307,9 @@ fn solve(
         )?;
     let samples = samples::draw(model, problem.target, unknowns, &closure.atoms);
     let open = closure::open(&closure.atoms, unknowns);
+    let unknown = unknowns.free.iter().filter(|free| free.given.is_none()).count();
     let start = search::State {
+        overdetermined: unknown < problem.target.rows(),
         atoms: closure.atoms,
         equations: closure.equations,
         open,

@@ -53,7 +53,8 @@ pub(super) fn confirm(
             let program = Program::new(model, &plan).ok()?;
             comparison.with_function(&program, &second)
         });
-        function.agreement = by_function.or_else(|| comparison.with_newton());
+        let agreement = by_function.or_else(|| comparison.with_newton());
+        function.agreement = agreement.filter(|agreement| agreement.poses > 0);
     }
 }
 
@@ -91,7 +92,7 @@ impl<'v> Comparison<'v> {
         let windings = program.windings();
         let mut applies = false;
         let agreement = self.at_poses(method, POSES, |target, q| {
-            let found = self.solutions(program, target, q, &windings);
+            let (found, _) = self.solutions(program, target, q, &windings);
             applies |= !found.is_empty();
             found
         });
@@ -134,7 +135,10 @@ impl<'v> Comparison<'v> {
         for (number, q) in poses.iter().take(most).enumerate() {
             let tool = reference::tool(self.model, q);
             let Some(target) = target_of(self.kind, &tool, number, self.reach) else { continue };
-            let own = self.solutions(self.own, &target, q, &windings);
+            let (own, points) = self.solutions(self.own, &target, q, &windings);
+            if !points {
+                continue;
+            }
             let other = other(&target, q);
             let among = |q: &Vec<f64>, others: &[Vec<f64>]| {
                 others.iter().any(|other| inverse::travel(self.model, q, other) <= SAME)
@@ -146,19 +150,21 @@ impl<'v> Comparison<'v> {
         agreement
     }
 
-    /// Joint values of every solution of a function; the joints that the caller gives are as in `q`.
+    /// Joint values of every solution of a function, and whether none of them leaves a joint free, of which any value would
+    /// do; the joints that the caller gives are as in `q`.
     fn solutions(
         &self,
         program: &Program<'_>,
         target: &Target<f64>,
         q: &[f64],
         windings: &[Winding<'_>],
-    ) -> Vec<Vec<f64>> {
+    ) -> (Vec<Vec<f64>>, bool) {
         let free: Vec<f64> = self.free.iter().map(|joint| q.get(*joint).copied().unwrap_or(0.0)).collect();
         let given = Given { free: &free, seed: None };
         let answer = program.inverse(self.problem, target, given, windings, |_| ());
-        let found = answer.into_iter().flatten();
-        found.flatten().map(|solution| solution.q.get(..q.len()).unwrap_or_default().to_vec()).collect()
+        let found: Vec<_> = answer.into_iter().flatten().flatten().collect();
+        let joints = found.iter().map(|solution| solution.q.get(..q.len()).unwrap_or_default().to_vec());
+        (joints.collect(), found.iter().all(|solution| solution.free.is_none()))
     }
 }
 
@@ -179,7 +185,7 @@ mod tests {
         let windings = program.windings();
         let changed = |change: fn(&mut Vec<Vec<f64>>)| {
             let agreement = comparison.at_poses(String::new(), 8, |target, q| {
-                let mut all = comparison.solutions(&program, target, q, &windings);
+                let (mut all, _) = comparison.solutions(&program, target, q, &windings);
                 change(&mut all);
                 all
             });

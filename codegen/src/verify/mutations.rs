@@ -28,7 +28,9 @@ fn scalars<'p>(steps: &'p mut [Step], found: &mut Vec<&'p mut Scalar>) {
                 match equation {
                     Equation::Trig { a, b, c } | Equation::Quadratic { a, b, c } => found.extend([a, b, c]),
                     Equation::TrigUnit { row, others } => found.extend(row.iter_mut().chain(others)),
-                    Equation::TrigPair { first, second } => found.extend(first.iter_mut().chain(second)),
+                    Equation::TrigPair { first, second } | Equation::TrigEither { first, second } => {
+                        found.extend(first.iter_mut().chain(second));
+                    }
                     Equation::Linear { a, c } => found.extend([a, c]),
                     Equation::Quartic { forms, right } => {
                         found.extend(forms.as_flattened_mut());

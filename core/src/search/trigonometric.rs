@@ -91,6 +91,15 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         self.trig_pair_with_care(step, first, second, &scale).unpacked().signed(0)
     }
 
+    /// The angles x (rad) with a cos x + b sin x = c, of two rows each of which follows from the other wherever both say
+    /// something, and the target can be met: two, from the row with the larger coefficients.
+    #[inline]
+    pub fn trig_either(&mut self, step: Step, first: [S; 3], second: [S; 3]) -> Roots<S> {
+        let square = |[a, b, _]: [S; 3]| a * a + b * b;
+        let [a, b, c] = if square(first) > square(second) { first } else { second };
+        self.trig(step, a, b, c)
+    }
+
     /// [`Search::trig`] where its fast way doesn't apply.
     #[cold]
     #[inline(never)]

@@ -38,6 +38,24 @@ fn committed_texts_are_what_is_printed() {
     }
 }
 
+/// In degrees an angle of a closed form is 0.0174... times one in radians; a length is a length.
+#[test]
+fn slides_that_are_found_along_with_angles_are_written_as_lengths() {
+    let table = "[robot]\nname = \"Slides\"\nconvention = \"standard\"\nunits = { length = \"mm\", angle = \"deg\" }\n\
+        [[joint]]\na = 120\nalpha = 90\nd = 300\n[[joint]]\ntype = \"prismatic\"\na = 200\nalpha = 70\n\
+        [[joint]]\na = 150\nalpha = -40\nd = 90\n[[joint]]\na = 90\nalpha = 60\nd = 40\n\
+        [[joint]]\ntype = \"prismatic\"\na = 60\nalpha = 80\n[[joint]]\nd = 100\noffset = 30\n";
+    let output = dh_codegen::compile(table, dh_codegen::verify::Level::Quick).output.unwrap();
+    let options = dh_codegen::emit::text::Options {
+        part: dh_codegen::emit::text::Part::InverseKinematics,
+        numeric: false,
+    };
+    let text = dh_codegen::emit::text::print(&output.model, &output.plan, &options);
+    for line in ["Step 1: all joints", "q1 = theta1", "q2 = d2", "q5 = d5", "q6 = theta6 - 30"] {
+        assert!(text.contains(&format!("{line}\n")) || text.contains(&format!("{line}, ")), "{line}\n{text}");
+    }
+}
+
 #[test]
 fn texts_are_laid_out_as_rustfmt_would() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/printed");

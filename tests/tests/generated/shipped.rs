@@ -91,9 +91,8 @@ fn bits_are_those_of_the_interpreter() {
         f64::from((state >> 40) as u32) / f64::from(1_u32 << 23) - 1.0
     };
     for (name, arm) in arms() {
-        // Of the plan that the attribute prints, which verifies it as quickly.
-        let table = dh_robots::table(name).expect("a name of a shipped table");
-        let interpreter = engine::interpreter(table).expect("shipped tables have no mistakes");
+        // Of the plan that `dhc` prints, which verifies it at more poses than the attribute.
+        let interpreter = engine::shipped(name).expect("shipped tables have no mistakes");
         assert_eq!(arm.name(), interpreter.name());
         assert_eq!(arm.fingerprint(), interpreter.fingerprint());
         assert_eq!(arm.problems(), interpreter.problems());

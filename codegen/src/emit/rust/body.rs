@@ -193,6 +193,7 @@ impl Body<'_> {
             Equation::Trig { .. } => "search.trig",
             Equation::TrigUnit { .. } => "search.trig_unit",
             Equation::TrigPair { .. } => "search.trig_pair",
+            Equation::TrigEither { .. } => "search.trig_either",
             Equation::Linear { .. } => "search.linear",
             Equation::Quadratic { .. } => "search.quadratic",
             Equation::Quartic { .. } => "search.quartic",
@@ -203,7 +204,9 @@ impl Body<'_> {
             let forms = forms.chunks(3).map(|form| Expression::Array(form.to_vec()));
             arguments.push(Expression::Array(forms.collect()));
             arguments.extend(right.iter().cloned());
-        } else if let Equation::TrigUnit { .. } | Equation::TrigPair { .. } = equation {
+        } else if let Equation::TrigUnit { .. } | Equation::TrigPair { .. } | Equation::TrigEither { .. } =
+            equation
+        {
             let mut first: Vec<_> = scalars.collect();
             let second = first.split_off(first.len().min(3));
             arguments.extend([Expression::Array(first), Expression::Array(second)]);

@@ -92,7 +92,9 @@ pub(super) fn coefficients(equation: &Equation) -> Vec<&Scalar> {
     match equation {
         Equation::Trig { a, b, c } | Equation::Quadratic { a, b, c } => vec![a, b, c],
         Equation::TrigUnit { row, others } => row.iter().chain(others).collect(),
-        Equation::TrigPair { first, second } => first.iter().chain(second).collect(),
+        Equation::TrigPair { first, second } | Equation::TrigEither { first, second } => {
+            first.iter().chain(second).collect()
+        }
         Equation::Linear { a, c } => vec![a, c],
         Equation::Quartic { forms, right } => forms.as_flattened().iter().chain([right]).collect(),
     }

@@ -109,7 +109,8 @@ impl Derivation<'_, '_, '_> {
                     self.stage(*stage, *root, equation, &definitions);
                     self.steps(body);
                 }
-                Step::General { stage: index, body, .. } => {
+                Step::General { stage: index, roots, body, .. } => {
+                    self.note_slides(roots);
                     if let Some(stage) = self.function.stages.get(*index) {
                         self.text.gap();
                         self.text.line(1, &format!("Step {}: all joints, by {}", index + 1, stage.unknown));
@@ -121,7 +122,8 @@ impl Derivation<'_, '_, '_> {
                     }
                     self.steps(body);
                 }
-                Step::Descents { stage: index, body, .. } => {
+                Step::Descents { stage: index, roots, body, .. } => {
+                    self.note_slides(roots);
                     if let Some(stage) = self.function.stages.get(*index) {
                         self.text.gap();
                         self.text.line(1, &format!("Step {}: {} at once", index + 1, stage.unknown));
@@ -162,6 +164,13 @@ impl Derivation<'_, '_, '_> {
             form
         });
         form.map_or_else(String::new, |form| self.scope.written(&form, JointKind::Revolute, &self.slides))
+    }
+
+    /// Of joints that are found at once, those that are lengths.
+    fn note_slides(&mut self, roots: &[ValueId]) {
+        let angle = |root: &ValueId| self.scope.name(*root).starts_with("theta");
+        let slides: Vec<_> = roots.iter().filter(|root| !angle(root)).copied().collect();
+        self.slides.extend(slides);
     }
 
     fn stage(&mut self, index: usize, root: ValueId, equation: &Equation, definitions: &[String]) {

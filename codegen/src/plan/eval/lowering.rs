@@ -128,6 +128,10 @@ impl<S: Float> Lowering<'_, S> {
                 let first = self.coefficients(first.each_ref(), code)?;
                 Kernel::TrigPair(first, self.coefficients(second.each_ref(), code)?)
             }
+            Equation::TrigEither { first, second } => {
+                let first = self.coefficients(first.each_ref(), code)?;
+                Kernel::TrigEither(first, self.coefficients(second.each_ref(), code)?)
+            }
             Equation::Linear { a, c } => Kernel::Linear(self.coefficients([a, c], code)?),
             Equation::Quadratic { a, b, c } => Kernel::Quadratic(self.coefficients([a, b, c], code)?),
             Equation::Quartic { forms: [first, second], right } => {

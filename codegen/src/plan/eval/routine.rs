@@ -106,6 +106,7 @@ pub(super) enum Kernel {
     Trig([Register; 3]),
     TrigUnit([Register; 3], [Register; 2]),
     TrigPair([Register; 3], [Register; 3]),
+    TrigEither([Register; 3], [Register; 3]),
     Linear([Register; 2]),
     Quadratic([Register; 3]),
     Quartic([[Register; 3]; 2], Register),

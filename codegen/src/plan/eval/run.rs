@@ -132,13 +132,19 @@ impl<S: Float> Searching<'_, S> {
     }
 
     fn roots(&mut self, step: dh_core::Step, equation: Kernel, registers: &Registers<S>) -> Found<S> {
+        // Nearly special arms do without these two.
         if let Kernel::Quartic(forms, right) = equation {
             let forms = forms.map(|form| registers.all(form));
-            // Nearly special arms do without.
             return match self {
                 Self::Exact(search) => Found::Four(search.quartic(step, forms, registers.get(right))),
                 Self::Near(_) | Self::Done(_) => Found::Two(Roots::NONE),
             };
+        }
+        if let Kernel::TrigEither(first, second) = equation {
+            return Found::Two(match self {
+                Self::Exact(search) => search.trig_either(step, registers.all(first), registers.all(second)),
+                Self::Near(_) | Self::Done(_) => Roots::NONE,
+            });
         }
         macro_rules! solved {
             ($search:expr) => {
@@ -161,7 +167,7 @@ impl<S: Float> Searching<'_, S> {
                         let [a, b, c] = registers.all(coefficients);
                         $search.quadratic(step, a, b, c)
                     }
-                    Kernel::Quartic(..) => Roots::NONE,
+                    Kernel::TrigEither(..) | Kernel::Quartic(..) => Roots::NONE,
                 }
             };
         }

@@ -135,7 +135,8 @@ impl Branch<'_> {
                 }
                 Equation::Linear { a, c } => search.linear(step, number(a), number(c)),
                 Equation::Quadratic { a, b, c } => search.quadratic(step, number(a), number(b), number(c)),
-                Equation::Quartic { .. } => Roots::NONE,
+                // There are none in these functions.
+                Equation::TrigEither { .. } | Equation::Quartic { .. } => Roots::NONE,
             };
             let list: Vec<f64> = all.into_iter().collect();
             let root = list.get(choice(stage, &list) % list.len().max(1)).copied();
@@ -177,7 +178,7 @@ impl Branch<'_> {
                         Equation::Linear { a, c } => value(a) * x - value(c),
                         Equation::Quadratic { a, b, c } => (value(a) * x + value(b)) * x + value(c),
                         // There are none in these functions.
-                        Equation::Quartic { .. } => f64::INFINITY,
+                        Equation::TrigEither { .. } | Equation::Quartic { .. } => f64::INFINITY,
                     },
             );
             x

@@ -70,6 +70,9 @@ pub(super) fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>,
             }
         }
     }
+    if state.overdetermined {
+        either(arena, state, &lone, &mut found)?;
+    }
     // Rows of different vectors make pairs only of what no vector has a sound pair of.
     for (index, first) in lone.iter().enumerate() {
         let Simple::Trig { frequency, .. } = &first.simple else { continue };
@@ -87,6 +90,86 @@ pub(super) fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>,
         }
     }
     Ok(found)
+}
+
+/// Where a target prescribes more than there are unknowns, rows of different vectors may have the same roots, each where
+/// the other vanishes too. Two such rows take the place of those that may vanish.
+fn either(arena: &Arena, state: &mut State, lone: &[Lone], found: &mut Vec<Found>) -> Result<(), Overflow> {
+    for (index, first) in lone.iter().enumerate() {
+        let Simple::Trig { frequency, .. } = &first.simple else { continue };
+        let Some(unknown) = angle(frequency) else { continue };
+        let settled = |found: &Found| {
+            let single = matches!(found.equation, Solved::Trig(_) | Solved::Unit(..));
+            found.unknown == unknown && (found.class != Class::Singular || !single)
+        };
+        if found.iter().any(settled) {
+            continue;
+        }
+        for second in lone.iter().skip(index + 1).filter(|second| second.group != first.group) {
+            let Some(equation) = same(arena, state, first, second)? else { continue };
+            found.retain(|single| single.unknown != unknown);
+            let origin = first.origin.with(&second.origin);
+            found.push(Found { unknown, equation, origin, class: Class::Singular });
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// Two equations in the sine and cosine of one angle that have the same roots at all samples, as lengths both or neither,
+/// if one is not merely a multiple of the other.
+fn same(arena: &Arena, state: &mut State, first: &Lone, second: &Lone) -> Result<Option<Solved>, Overflow> {
+    let (Simple::Trig { frequency, a, b, c }, Simple::Trig { frequency: other, a: a2, b: b2, c: c2 }) =
+        (&first.simple, &second.simple)
+    else {
+        return Ok(None);
+    };
+    if frequency != other {
+        return Ok(None);
+    }
+    let State { samples, atoms, .. } = state;
+    let mut ratios = Vec::new();
+    for sample in samples {
+        let [a, b, c, a2, b2, c2] = [a, b, c, a2, b2, c2].map(|row| sample.value(arena, atoms, row));
+        let off = [a * b2 - a2 * b, a * c2 - a2 * c, b * c2 - b2 * c];
+        let sizes = [a.hypot(b), a2.hypot(b2)];
+        if off.iter().any(|off| off.abs() > ZERO) || sizes.iter().any(|size| *size < ZERO) {
+            return Ok(None);
+        }
+        ratios.push(libm::atan2(a * a2 + b * b2, a * a + b * b));
+    }
+    if ratios.iter().all(|ratio| ratios.first().is_some_and(|first| (ratio - first).abs() < ZERO)) {
+        return Ok(None);
+    }
+    let rows = [[a, b, c], [a2, b2, c2]];
+    let power = |row: [&Polynomial; 3]| {
+        let keys = row.into_iter().flat_map(Polynomial::terms);
+        keys.map(|(key, _)| state.atoms.dimension(&key.monomial)).max().unwrap_or(0)
+    };
+    let [power, other] = rows.map(power);
+    if power.abs_diff(other) > 1 {
+        return Ok(None);
+    }
+    let Some(length) = longest(arena, state) else { return Ok(None) };
+    let as_much = |row: [&Polynomial; 3], less: bool| {
+        let row = row.map(|entry| if less { entry.mul(&length) } else { Ok(entry.clone()) });
+        let [a, b, c] = row;
+        Ok([a?, b?, c?])
+    };
+    let [first, second] = rows;
+    Ok(Some(Solved::Either(as_much(first, power < other)?, as_much(second, other < power)?)))
+}
+
+/// The greatest length of the table.
+fn longest(arena: &Arena, state: &mut State) -> Option<Polynomial> {
+    let State { samples, atoms, .. } = state;
+    let sample = samples.first_mut()?;
+    let lengths = atoms.list.iter().enumerate().filter_map(|(index, atom)| {
+        let length = matches!(atom.source, Source::Table(_)) && atom.dimension == 1;
+        length.then(|| Polynomial::atom(atoms.angles.len(), index as Atom))
+    });
+    let sized = lengths.map(|length| (sample.value(arena, atoms, &length).abs(), length));
+    sized.max_by(|(one, _), (other, _)| one.total_cmp(other)).map(|(_, length)| length)
 }
 
 pub(super) fn angle(frequency: &[i16]) -> Option<Unknown> {

@@ -62,8 +62,10 @@ pub(super) enum Solved {
     Trig([Polynomial; 3]),
     /// The same where c is a coordinate of a unit vector, of which these are the other two, and (a, b) has length 1.
     Unit([Polynomial; 3], [Polynomial; 2]),
-    /// Two of those.
+    /// Two of those, which are independent.
     Pair([Polynomial; 3], [Polynomial; 3]),
+    /// Two of those, which say the same wherever both say something.
+    Either([Polynomial; 3], [Polynomial; 3]),
     /// b x + c = 0
     Linear([Polynomial; 2]),
     /// a x^2 + b x + c = 0
@@ -76,7 +78,7 @@ impl Solved {
     fn roots(&self) -> usize {
         match self {
             Self::Pair(..) | Self::Linear(_) => 1,
-            Self::Trig(_) | Self::Unit(..) | Self::Quadratic(_) => 2,
+            Self::Trig(_) | Self::Unit(..) | Self::Either(..) | Self::Quadratic(_) => 2,
             Self::Quartic(..) => 4,
         }
     }
@@ -86,7 +88,7 @@ impl Solved {
         match self {
             Self::Trig(list) | Self::Quadratic(list) => list.iter().collect(),
             Self::Unit(list, others) => list.iter().chain(others).collect(),
-            Self::Pair(first, second) => first.iter().chain(second).collect(),
+            Self::Pair(first, second) | Self::Either(first, second) => first.iter().chain(second).collect(),
             Self::Linear(list) => list.iter().collect(),
             Self::Quartic(forms, right) => forms.as_flattened().iter().chain([right]).collect(),
         }
@@ -105,6 +107,8 @@ impl Solved {
 /// Where a search stands.
 #[derive(Debug, Clone)]
 pub(super) struct State {
+    /// Whether the target prescribes more than there are unknowns.
+    pub overdetermined: bool,
     pub atoms: Atoms,
     pub equations: Vec<Equation>,
     pub open: Open,

@@ -107,6 +107,7 @@ impl Writer<'_> {
                 StageEquation::TrigUnit(list, others.each_ref().map(|p| self.expr(p)))
             }
             Solved::Pair(first, second) => StageEquation::TrigPair(self.trig(first), self.trig(second)),
+            Solved::Either(first, second) => StageEquation::TrigEither(self.trig(first), self.trig(second)),
             Solved::Linear([b, c]) => {
                 let (b, c) = (self.expr(b), self.expr(c));
                 StageEquation::Linear([b, self.arena.neg(c)])
@@ -151,6 +152,7 @@ impl Writer<'_> {
         let written = match equation {
             StageEquation::Trig(list) | StageEquation::TrigUnit(list, _) => trig(list),
             StageEquation::TrigPair(first, second) => format!("{}; {}", trig(first), trig(second)),
+            StageEquation::TrigEither(first, second) => format!("{}, or {}", trig(first), trig(second)),
             StageEquation::Linear([a, c]) => {
                 format!("{} = {}", text::combination(arena, &[(*a, unknown)]), text::abbreviated(arena, *c))
             }
@@ -189,7 +191,7 @@ impl Writer<'_> {
                 Some(format!("{} > 0", text::combination(arena, &[(*a, &twice), (*b, "")])))
             }
             StageEquation::Quartic(..) => Some("the left side rises".to_owned()),
-            StageEquation::TrigPair(..) | StageEquation::Linear(_) => None,
+            StageEquation::TrigPair(..) | StageEquation::TrigEither(..) | StageEquation::Linear(_) => None,
         }
     }
 

@@ -41,6 +41,10 @@ impl Solution {
                 let mut sums = |[a, b, c]: &[Scalar; 3]| [sum(a), sum(b), sum(c)];
                 trig_pair(unknown, &sums(first), &sums(second))
             }
+            Equation::TrigEither { first, second } => {
+                let mut sums = |[a, b, c]: &[Scalar; 3]| [sum(a), sum(b), sum(c)];
+                either(unknown, sums(first), sums(second), units)
+            }
             Equation::Linear { a, c } => linear(unknown, &sum(a), &sum(c)),
             Equation::Quadratic { a, b, c } => quadratic(unknown, &sum(a), &sum(b), &sum(c)),
             Equation::Quartic { forms, right } => {
@@ -85,6 +89,24 @@ fn trig(unknown: &Unknown<'_>, [a, b, c]: [Sum; 3], units: Units) -> Solution {
     let [cos, sin] = unknown.cos_sin();
     let plus = Some(format!("{} > 0", a.mul(sin).sub(b.mul(cos))));
     Solution { equations, roots: vec![roots], remarks, plus }
+}
+
+/// Two equations with the same roots, of which either may say nothing.
+fn either(unknown: &Unknown<'_>, first: [Sum; 3], second: [Sum; 3], units: Units) -> Solution {
+    let ([a1, b1, c1], [a2, b2, _]) = (&first, &second);
+    let mut remarks = vec!["two roots".to_owned()];
+    if !c1.is_zero() {
+        remarks.push(format!("out of reach where {}", out_of_reach(a1, b1, c1)));
+    }
+    remarks.extend(vanishing(&[a1, b1, a2, b2]));
+    let [first, second] = [first, second].map(|row| trig(unknown, row, units));
+    let choice = "each follows from the other; by the one with the larger coefficients:".to_owned();
+    Solution {
+        equations: [first.equations, second.equations].concat(),
+        roots: [vec![choice], first.roots, second.roots].concat(),
+        remarks,
+        plus: None,
+    }
 }
 
 /// Where a cos x + b sin x = c has no root.
