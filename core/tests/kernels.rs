@@ -109,7 +109,7 @@ fn trig_of_the_larger_row<S: Float>() {
         for (first, second) in [(row, other), (other, row)] {
             let roots = search().trig_either(RATIO, first, second);
             assert_eq!(roots.len(), 2);
-            let off = miss(roots.clone(), third).max(miss(roots, -third));
+            let off = miss(roots, third).max(miss(roots, -third));
             assert!(off <= S::from_f64(4.0) * S::EPSILON, "{off}");
         }
     }
