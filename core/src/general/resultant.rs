@@ -30,7 +30,7 @@ pub(super) struct Resultant {
     parts: [Block; 3],
     /// What the resultant is to be divided by: two quadratics in exp(i x), complex coefficients from the constant on.
     factors: [Quadratic; 2],
-    /// The last pivot of the first elimination beside its greatest.
+    /// The last pivot of the first elimination beside its greatest, or the least of the six equations beside the greatest.
     pub(super) pivot: f64,
     chart: Chart,
     /// Whether joints 3, 4 and 5 slide.
@@ -65,6 +65,11 @@ impl Resultant {
                 *most = if x.abs() > *most { x.abs() } else { *most };
             }
         }
+        // An equation that has vanished beside the others is made of rounding.
+        let (least, most) = greatest.into_iter().fold((f64::INFINITY, 0.0), |(least, most), x| {
+            (if x < least { x } else { least }, if x > most { x } else { most })
+        });
+        let pivot = if least < pivot * most { least / most } else { pivot };
         let scale = greatest.map(|x| if x > 0.0 { 1.0 / x } else { 0.0 });
         for sample in parts.as_flattened_mut() {
             sample.iter_mut().zip(scale).for_each(|(x, scale)| *x *= scale);

@@ -297,3 +297,48 @@ fn what_is_computed_beforehand_is_what_would_be() {
         }
     }
 }
+
+/// Five joints with the tool across the last one, stretched out in the plane of the first axis: one of six equations says
+/// nothing of such a direction, and is rounding.
+#[test]
+fn an_equation_that_vanishes_at_a_target_is_not_trusted() {
+    let across =
+        Frame { rotation: [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]], translation: [0.0; 3] };
+    let rows = [[0.0, H, 0.104], [0.158, 0.0, 0.0], [0.15, 0.0, 0.0], [0.0, H, 0.0]];
+    let [l1, l2, l3, l4] = rows.map(link);
+    let l5 = link([0.0, 0.0, 0.1944]) * across;
+    let chart = Chart {
+        dropped: 4,
+        backward: false,
+        hidden: 0,
+        swapped: true,
+        divided: false,
+        degree: 4,
+        periods: 1,
+    };
+    let charts = [
+        chart,
+        Chart { hidden: 2, ..chart },
+        Chart { dropped: 1, backward: true, hidden: 1, divided: true, ..chart },
+    ];
+    let links = [Frame::IDENTITY, l1, l2, l3, l4, l5, Frame::IDENTITY];
+    let arm = SixJoints { links, prismatic: [false; 6], reach: 0.6064, charts: &charts, triple: None };
+    let mut random = Random(3);
+    for _ in 0..30 {
+        let mut noise = || random.next(-1.0, 1.0) * 3e-16;
+        let rotation = [[noise(), noise(), 1.0], [noise(), -1.0, noise()], [1.0, noise(), noise()]];
+        let pose = Frame { rotation, translation: [0.15 + noise(), noise(), 0.1404] };
+        for chart in charts {
+            let mut count = 0;
+            let outcome = arm.solve_in(chart, &pose, &mut |_, _| count += 1);
+            assert!(outcome.doubtful || count >= 8, "{chart:?}: {count}");
+        }
+        let mut known: Vec<[f64; JOINTS]> = Vec::new();
+        arm.solve(&pose, |q, _| {
+            if !known.iter().any(|other| apart(other, q) < 1e-6) {
+                known.push(*q);
+            }
+        });
+        assert_eq!(known.len(), 8, "{known:?}");
+    }
+}
