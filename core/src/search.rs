@@ -67,6 +67,8 @@ pub struct Search<'a, const N: usize, S = f64> {
     doubtful: bool,
     /// Whether solutions that are off were brought nearer to their target: then those that stay off miss it.
     polished: bool,
+    /// Bit i is set where the caller gives joint i: it stays as it is.
+    given: u32,
     /// What the unknowns are at joint values to be near to, and how far from there free ones are tried first.
     wanted: Option<(&'a [S], S)>,
 }
@@ -105,6 +107,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             accepted: 0,
             doubtful: false,
             polished: false,
+            given: 0,
             wanted: None,
         }
     }
@@ -113,6 +116,13 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     #[inline]
     pub fn about<const K: usize>(reach: S, windings: &'a [Winding<'a, S>], wanted: &'a Wanted<K, S>) -> Self {
         Self { wanted: wanted.view(), ..Self::new(reach, windings) }
+    }
+
+    /// The same for a problem some of whose joints the caller gives.
+    #[inline]
+    pub fn with_given(self, joints: &[usize]) -> Self {
+        let given = joints.iter().fold(0, |given, joint| given | 1_u32.wrapping_shl(*joint as u32));
+        Self { given, ..self }
     }
 
     /// Takes a candidate (rad or m) with its errors against the target (m, rad). Revolute joints are brought to

@@ -53,7 +53,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         target: &Frame<S>,
         position_error: S,
         rotation_error: S,
-        pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+        mut pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
     ) {
         let hopeless = S::from_f64(HOPELESS).max(residual_tolerance());
         if !(position_error <= hopeless * self.reach && rotation_error <= hopeless) {
@@ -62,7 +62,13 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         }
         self.doubtful = true;
         self.polished = true;
-        let better = polish(q, target, self.reach, STEPS, pose_and_jacobian);
+        let given = self.given;
+        let better = polish(q, target, self.reach, STEPS, |q| {
+            let (tool, mut columns) = pose_and_jacobian(q);
+            let given = columns.iter_mut().enumerate().filter(|(joint, _)| given & (1 << joint) != 0);
+            given.for_each(|(_, column)| *column = [S::ZERO; 6]);
+            (tool, columns)
+        });
         self.accept(better.q, better.position_error, better.rotation_error);
     }
 }

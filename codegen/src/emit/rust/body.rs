@@ -156,10 +156,11 @@ impl Body<'_> {
     }
 
     /// A new search, by one of its constructors.
-    pub(super) fn search(&self, [kind, constructor]: [&str; 2], more: &str) -> String {
+    pub(super) fn search(&self, [kind, constructor]: [&str; 2], more: &str, given: &[usize]) -> String {
         let [reach, windings] = self.search;
         let kind = self.leaves.paths.runtime(kind);
-        format!("let mut search = {kind}::{constructor}({reach}, &{windings}, &{more});")
+        let given = if given.is_empty() { String::new() } else { format!(".with_given(&{given:?})") };
+        format!("let mut search = {kind}::{constructor}({reach}, &{windings}, &{more}){given};")
     }
 
     /// What a root is bound to, and which method of the search gives the next one.

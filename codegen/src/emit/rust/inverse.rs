@@ -59,7 +59,7 @@ impl<'a> Printer<'a> {
         }
         self.wanted(&mut lines, function);
         if !near {
-            lines.line(body.search(["Search", "about"], "wanted"));
+            lines.line(body.search(["Search", "about"], "wanted", &function.free));
         }
         body.steps(&mut lines, &function.steps, &|text, candidate| {
             self.accept(text, candidate, problem, &body);

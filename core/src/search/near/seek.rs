@@ -193,6 +193,8 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         Self: 'w,
     {
         let mut search = Search::about(self.search.reach, self.search.windings, wanted);
+        let given = (0..N).filter(|joint| !self.unknowns.contains(joint));
+        search.given = given.fold(0, |given, joint| given | 1 << joint);
         if let Some(seek) = &self.seek {
             search.solutions = seek.found.copied();
         }
