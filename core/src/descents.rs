@@ -5,14 +5,15 @@
 //! nothing new; how many is measured by the compiler, for each problem. Where no unknown is a length there is a check: the
 //! signs of the determinants of all solutions add up to 0. Joint values form a torus; of its map to what is prescribed that
 //! sum is the degree, which is the same at all regular targets and for all arms that can be deformed into each other
-//! \[Milnor, Topology from the Differentiable Viewpoint, §5\]. An arm whose axes all coincide meets next to no target.
+//! \[Milnor, Topology from the Differentiable Viewpoint, §5\]. An arm whose axes all coincide meets almost no target, so the
+//! degree is 0.
 //!
 //! A tool whose x axis is upright has no yaw, and near it the yaw changes fast. So what is made to vanish is the part of that
 //! axis across the wanted heading, which is smooth everywhere; solutions that head the other way are dropped.
 
 use crate::evenly::evenly;
 use crate::frame::cross;
-use crate::general::{Equations, Known, MORE, beside, moved, on_curve, rank, solve};
+use crate::general::{Equations, Known, MORE, OnCurve, beside, moved, on_curve, rank, solve};
 use crate::polish::descend;
 use crate::unknowns::UNKNOWNS;
 use crate::{Float, Frame, MAX_JOINTS, Target, TargetKind};
@@ -64,8 +65,8 @@ pub(crate) struct Found {
     pub(crate) determinant: f64,
 }
 
-/// What is wanted of unknowns that a target leaves free (rad, m; NaN where nothing is), and how many half turns (reaches)
-/// from there.
+/// What is wanted of unknowns that a target leaves free (rad, m; NaN where nothing is), and how far from there: in halves of
+/// the unknown's period, which is a turn or several (reaches, where it slides).
 pub(crate) type WantedOfFree<'w> = (&'w [f64; UNKNOWNS], f64);
 
 /// A method of the problem with as many unknowns as the chain has, or what there is for none.
@@ -99,7 +100,8 @@ impl RowChain<'_> {
         asked!(self, target, given, |problem| problem.solve(wanted, found), f64::INFINITY)
     }
 
-    /// The solution that the start of this number leads to: values of the unknowns (rad, m), then zeros.
+    /// The solution that the start of this number leads to: values of the unknowns (rad, m), then zeros. `None` where it leads
+    /// to none, or to one with the heading the wrong way round.
     pub fn descend(&self, target: &Target, given: &[f64], number: u32) -> Option<[f64; UNKNOWNS]> {
         asked!(self, target, given, |problem| problem.from(number), None)
     }
@@ -202,13 +204,19 @@ impl<'a, const K: usize> Problem<'a, K> {
         (frame, missing, columns)
     }
 
-    /// Downhill from a place: the solution, or what stays missing (reaches, rad).
-    fn downhill(&self, start: &[f64; K], least: f64) -> Result<[f64; K], f64> {
+    /// Downhill from a place: the solution and its tip, or what stays missing (reaches, rad).
+    fn downhill(&self, start: &[f64; K], least: f64) -> Result<([f64; K], Frame), f64> {
         let (x, tip) = descend(*start, STEPS, least, |x| self.at(x));
         let (position, rotation) = self.target.errors(&tip);
         let rotation = self.heading.map_or(rotation, |heading| aside(heading, tip.x_axis()).abs());
         let miss = Float::max(position * self.per_reach, rotation);
-        if miss <= FOUND { Ok(x) } else { Err(miss) }
+        if miss <= FOUND { Ok((x, tip)) } else { Err(miss) }
+    }
+
+    /// Whether a tip that has nothing across the heading that is prescribed has it the right way round.
+    fn is_ahead(&self, tip: &Frame) -> bool {
+        let [x, y, _] = tip.x_axis();
+        self.heading.is_none_or(|[cos, sin]| cos * x + sin * y > 0.0)
     }
 
     /// The start of this number.
@@ -222,8 +230,8 @@ impl<'a, const K: usize> Problem<'a, K> {
     }
 
     fn from(&self, number: u32) -> Option<[f64; UNKNOWNS]> {
-        let x = self.downhill(&self.start(number), STALLED).ok()?;
-        Some(self.in_metres(&padded(&x)))
+        let (x, tip) = self.downhill(&self.start(number), STALLED).ok()?;
+        self.is_ahead(&tip).then(|| self.in_metres(&padded(&x)))
     }
 
     fn determinant(&self, tip: &Frame, columns: &[[f64; 6]; K]) -> f64 {
@@ -260,9 +268,12 @@ impl<'a, const K: usize> Problem<'a, K> {
             number += 1;
             idle += 1;
             match self.downhill(&self.start(number), STALLED) {
-                Ok(x) => {
-                    if search.add(&x) {
+                Ok((x, tip)) => {
+                    if search.add(&x, &tip) {
                         idle = 0;
+                    }
+                    if !self.is_ahead(&tip) {
+                        least = Float::min(core::f64::consts::PI, least);
                     }
                 }
                 Err(miss) => least = Float::min(miss, least),
@@ -272,7 +283,7 @@ impl<'a, const K: usize> Problem<'a, K> {
                 place += 1;
                 let x = shortened(&solution);
                 for start in beside(&x, &self.columns(&x)) {
-                    if self.downhill(&start, STALLED).is_ok_and(|x| search.add(&x)) {
+                    if self.downhill(&start, STALLED).is_ok_and(|(x, tip)| search.add(&x, &tip)) {
                         idle = 0;
                     }
                 }
@@ -303,7 +314,7 @@ impl<const K: usize> Equations<K> for Problem<'_, K> {
     }
 
     fn onto(&self, x: &[f64; K]) -> Option<[f64; K]> {
-        self.downhill(x, 0.0).ok()
+        self.downhill(x, 0.0).ok().map(|(x, _)| x)
     }
 
     fn slides(&self, place: usize) -> bool {
@@ -324,29 +335,50 @@ struct Search<'s, const K: usize> {
 }
 
 impl<const K: usize> Search<'_, K> {
-    /// Whether a solution is new.
-    fn add(&mut self, x: &[f64; K]) -> bool {
-        if self.known.contains(&padded(x)) || self.is_on_known_stretch(x) {
+    /// Whether a solution, which has this tip, is new.
+    fn add(&mut self, x: &[f64; K], tip: &Frame) -> bool {
+        if self.known.contains(&padded(x)) {
             return false;
         }
-        let (tip, _, columns) = self.problem.at(x);
-        let (mut x, mut free) = (*x, None);
-        let mut determinant = self.problem.determinant(&tip, &columns);
-        if rank(&columns) < K
-            && let Some(point) = on_curve(self.problem, &x, &self.wanted, self.aside)
-        {
-            let Some(slot) = self.points.get_mut(self.count) else { return false };
-            *slot = x;
-            self.count += 1;
-            (x, free, determinant) = (point.q, Some(point.joint), 0.0);
+        let columns = self.problem.columns(x);
+        if rank(&columns) < K {
+            if self.is_on_known_stretch(x) {
+                return false;
+            }
+            if let Some(point) = on_curve(self.problem, x, &self.wanted, self.aside) {
+                return self.add_curve(x, tip, &point);
+            }
         }
-        let x = padded(&x);
-        let new = self.known.insert(&x, determinant);
-        let [ahead, left, _] = tip.x_axis();
-        if new && self.problem.heading.is_none_or(|[cos, sin]| cos * ahead + sin * left > 0.0) {
-            (self.found)(&Found { x: self.problem.in_metres(&x), free, determinant });
+        let determinant = self.problem.determinant(tip, &columns);
+        let new = self.known.insert(&padded(x), determinant);
+        if new && self.problem.is_ahead(tip) {
+            self.hand_on(x, None, determinant);
         }
         new
+    }
+
+    /// The same of a solution on a curve, with the point of it that is nearest to what is wanted. Curves go on where the
+    /// heading turns round: of one whose nearest point has it the wrong way, it is the solution that is handed on.
+    fn add_curve(&mut self, x: &[f64; K], tip: &Frame, nearest: &OnCurve<K>) -> bool {
+        let Some(slot) = self.points.get_mut(self.count) else { return false };
+        *slot = *x;
+        self.count += 1;
+        let ahead = |tip: &Frame| self.problem.is_ahead(tip);
+        let (known, handed) = match (ahead(&self.problem.at(&nearest.q).0), ahead(tip)) {
+            (true, _) => (nearest.q, Some(nearest.q)),
+            (false, true) => (nearest.q, Some(*x)),
+            // Another solution on this curve may have it right.
+            (false, false) => (*x, None),
+        };
+        let new = self.known.insert(&padded(&known), 0.0);
+        if let (true, Some(x)) = (new, handed) {
+            self.hand_on(&x, Some(nearest.joint), 0.0);
+        }
+        new
+    }
+
+    fn hand_on(&mut self, x: &[f64; K], free: Option<usize>, determinant: f64) {
+        (self.found)(&Found { x: self.problem.in_metres(&padded(x)), free, determinant });
     }
 
     fn is_on_known_stretch(&self, x: &[f64; K]) -> bool {
@@ -377,3 +409,6 @@ fn shortened<const K: usize>(x: &[f64; UNKNOWNS]) -> [f64; K] {
     own.iter_mut().zip(x).for_each(|(to, from)| *to = *from);
     own
 }
+
+#[cfg(test)]
+mod tests;

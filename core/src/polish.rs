@@ -60,8 +60,12 @@ pub fn polish<const N: usize, S: Float>(
 }
 
 /// The steps of [`polish`] on any six quantities that are to become 0: `at` gives something to be handed back of the
-/// place, what is missing there, and by how much less with each unknown. Where an undamped step would take away less than
-/// the part `least` of the square of what is missing, they lead to no solution, and end.
+/// place, what is missing there, and by how much less with each unknown.
+///
+/// Where a step would take away less than the part `least` of the square of what is missing, they lead to no solution, and
+/// end. That is said of steps that are damped as usual, or less, and with λ of at most 1: from far away the damping alone makes
+/// every step a small one. Steps without any damping would say it too late, since what is missing at a minimum that is no
+/// solution can be had along its singular direction until the very last.
 pub(crate) fn descend<const N: usize, T, S: Float>(
     q: [S; N],
     steps: usize,
@@ -79,7 +83,8 @@ pub(crate) fn descend<const N: usize, T, S: Float>(
         if step.iter().all(|change| change.abs() <= S::EPSILON) {
             break;
         }
-        if damping <= S::ONE && here.gains(&step) < least {
+        let slightly = damping <= S::ONE && damping * here.cost <= S::ONE;
+        if slightly && here.gains(&step) < least {
             break;
         }
         let mut moved = here.q;

@@ -8,7 +8,8 @@ use crate::{Float, IkError, LengthError, Solutions};
 pub struct Seed<'a, S = f64> {
     /// rad or m
     pub q: &'a [S],
-    /// How far from there a free joint is set, in half turns (reaches, where it slides).
+    /// How far from there a free joint is set, in half turns (reaches, where it slides); in half periods, where whole turns
+    /// of it carry others by a fraction.
     pub aside: S,
 }
 

@@ -52,8 +52,8 @@ pub(crate) struct OnCurve<const K: usize> {
 }
 
 /// Where solutions form a curve through this one: the point of it, downhill from here, that is nearest to what is wanted
-/// (NaN where nothing is), or from there on until the unknown that takes the greatest part has gone so many half turns
-/// (reaches).
+/// (NaN where nothing is), or from there on until the unknown that takes the greatest part has gone so many times pi, half
+/// its period (reaches).
 pub(crate) fn on_curve<const K: usize>(
     equations: &impl Equations<K>,
     start: &[f64; K],
