@@ -48,15 +48,22 @@ const STARTS: u32 = 64;
 const MOST_STARTS: u32 = 256;
 const ENOUGH: u32 = 4;
 
-/// A solution as rare as the rarest of those is missed once in so many times: where determinants must balance, and that it
-/// is missed alone is noticed; and where nothing is.
-const ONCE_IN: [f64; 2] = [1e3, 1e4];
+/// A solution as rare as the rarest of those is missed once in so many times where determinants must balance: one that is
+/// missed alone upsets the balance, and the search goes on.
+const MISSED_BALANCED: f64 = 1e3;
+
+/// The same where nothing would tell.
+const MISSED: f64 = 1e4;
 
 /// However often all solutions are met.
 const LEAST_PATIENCE: u32 = 64;
 
-/// Solutions that are nearer than this (rad, m) are one.
+/// Solutions that are nearer than this (rad, reaches) are one.
 const SAME: f64 = 1e-6;
+
+/// What a tool looks at is so far ahead of it (reaches): of the arm's own size, and not in the tool, where any direction
+/// would do.
+const AHEAD: f64 = 0.7;
 
 /// The function of a problem (an index into `Model::problems`, or the full pose).
 ///
@@ -66,12 +73,14 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
     let rows = rows::chain(model, problem)?;
     let unknowns = rows.unknowns.len();
     if unknowns == 0 || unknowns > problem.target.rows() {
-        return Err(Refusal::NotByThisMethod);
+        return Err(Refusal::Unknowns { unknowns, target: problem.target });
     }
     let given = problem.free.len();
     let mut chain = chain(model, &rows, given);
-    refuse_singular(model, problem, &rows, &chain)?;
-    let rarest = rarest(&chain, problem.target, given);
+    let samples = samples(model, problem, &chain);
+    refuse_singular(model, problem, &rows, &chain, &samples)?;
+    let rarest = rarest(&chain, problem.target, &samples)
+        .ok_or(Refusal::NotFound { poses: POSES, starts: MOST_STARTS })?;
     chain.patience = rarest.patience();
     let origin = rarest.origin(chain.patience);
 
@@ -173,21 +182,24 @@ struct Sample {
     tip: Frame,
 }
 
-fn samples(chain: &FollowingChain, given: usize) -> Vec<Sample> {
+fn samples(model: &Model, problem: &Problem, chain: &FollowingChain) -> Vec<Sample> {
+    let row = |joint: &usize| model.joints.get(*joint).and_then(|row| model.rows.get(*row));
+    let slides = |joint: &usize| row(joint).is_some_and(|row| row.kind == JointKind::Prismatic);
     let mut random = super::general::Random::new();
     let mut sample = || {
         let mut x = [0.0; 6];
         for (value, turns) in x.iter_mut().zip(&chain.turns) {
             *value = random.value(*turns == 0, chain.reach) * f64::from((*turns).max(1));
         }
-        let given: Vec<f64> = (0..given).map(|_| random.value(false, chain.reach)).collect();
+        let given: Vec<f64> =
+            problem.free.iter().map(|joint| random.value(slides(joint), chain.reach)).collect();
         let tip = chain.with(|chain| chain.tip(&given, &x));
         Sample { x, given, tip }
     };
     (0..POSES).map(|_| sample()).collect()
 }
 
-/// What of the tip a target prescribes; what is looked at lies ahead.
+/// What of the tip a target prescribes.
 fn asked(target: Target, tip: &Frame, reach: f64) -> Asked {
     let kind = match target {
         Target::Pose => TargetKind::Pose,
@@ -198,7 +210,7 @@ fn asked(target: Target, tip: &Frame, reach: f64) -> Asked {
         Target::Direction => TargetKind::Direction,
         Target::Ray => TargetKind::Ray,
         Target::Lookat => {
-            return Asked::Lookat(tip.transform_point([0.0, 0.0, 0.7 * reach]));
+            return Asked::Lookat(tip.transform_point([0.0, 0.0, AHEAD * reach]));
         }
         Target::Xy => TargetKind::Xy,
         Target::XyYaw => TargetKind::XyYaw,
@@ -221,18 +233,19 @@ fn refuse_singular(
     problem: &Problem,
     rows: &Rows,
     chain: &FollowingChain,
+    samples: &[Sample],
 ) -> Result<(), Refusal> {
-    let samples = samples(chain, problem.free.len());
-    let ways = rank(chain, problem.target, &samples);
+    let ways = rank(chain, problem.target, samples);
     let unknowns = rows.unknowns.len();
     if ways == unknowns {
         return Ok(());
     }
     let suiting = Target::ALL.into_iter().filter(|other| other.rows() == unknowns);
-    let suiting = suiting.filter(|other| rank(chain, *other, &samples) == unknowns).collect();
-    let joints = model.joints.iter().zip(&rows.q).filter(|(_, form)| !form.terms.is_empty());
+    let suiting = suiting.filter(|other| rank(chain, *other, samples) == unknowns).collect();
+    let moves = |form: &Linear| form.terms.iter().any(|(place, _)| *place < unknowns);
+    let joints = model.joints.iter().zip(&rows.q).filter(|(_, form)| moves(form));
     let joints = joints.filter_map(|(row, _)| model.rows.get(*row).map(|row| row.name.clone()));
-    Err(Refusal::Singular { joints: joints.collect(), ways, target: problem.target, suiting })
+    Err(Refusal::Singular { joints: joints.collect(), unknowns, ways, target: problem.target, suiting })
 }
 
 /// How often starts lead to the solution that fewest lead to, of all that were found at some poses.
@@ -245,11 +258,10 @@ struct Rarest {
 }
 
 impl Rarest {
-    /// So many starts miss it as seldom as [`ONCE_IN`] says.
+    /// So many starts miss it as seldom as [`MISSED_BALANCED`] and [`MISSED`] say.
     fn patience(&self) -> u32 {
         let share = f64::from(self.met) / f64::from(self.starts);
-        let [balanced, alone] = ONCE_IN;
-        let once_in = if self.balanced { balanced } else { alone };
+        let once_in = if self.balanced { MISSED_BALANCED } else { MISSED };
         let starts = libm::ceil(libm::log(once_in) / -libm::log1p(-share.min(0.999)));
         (starts as u32).max(LEAST_PATIENCE)
     }
@@ -273,8 +285,8 @@ impl Rarest {
     }
 }
 
-fn rarest(chain: &FollowingChain, target: Target, given: usize) -> Rarest {
-    let samples = samples(chain, given);
+/// `None` where no start leads to a solution.
+fn rarest(chain: &FollowingChain, target: Target, samples: &[Sample]) -> Option<Rarest> {
     let balanced = samples.first().is_some_and(|sample| {
         let kind = asked(target, &sample.tip, chain.reach).kind();
         chain.with(|chain| chain.balances(kind))
@@ -282,10 +294,9 @@ fn rarest(chain: &FollowingChain, target: Target, given: usize) -> Rarest {
     let mut starts = STARTS;
     loop {
         let counts: Vec<u32> = samples.iter().flat_map(|sample| met(chain, target, sample, starts)).collect();
-        let met = counts.iter().copied().min().unwrap_or(1);
-        let rarest = Rarest { balanced, met, starts, solutions: counts.len() };
-        if rarest.met >= ENOUGH || starts >= MOST_STARTS {
-            return rarest;
+        let rarest = counts.iter().copied().min();
+        if rarest.is_some_and(|met| met >= ENOUGH) || starts >= MOST_STARTS {
+            return rarest.map(|met| Rarest { balanced, met, starts, solutions: counts.len() });
         }
         starts *= 2;
     }
@@ -298,12 +309,14 @@ fn met(chain: &FollowingChain, target: Target, sample: &Sample, starts: u32) -> 
     for number in 1..=starts {
         let Some(x) = chain.with(|chain| chain.descend(&asked, &sample.given, number)) else { continue };
         let same = |other: &[f64; 6]| {
-            x.iter().zip(other).enumerate().all(|(place, (a, b))| {
-                let period =
-                    chain.turns.get(place).map_or(0.0, |turns| f64::from(*turns)) * std::f64::consts::TAU;
+            x.iter().zip(other).zip(&chain.turns).all(|((a, b), turns)| {
+                let period = f64::from(*turns) * std::f64::consts::TAU;
                 let apart = a - b;
-                let turned = if period > 0.0 { apart - period * libm::round(apart / period) } else { apart };
-                turned.abs() <= SAME
+                let apart = match turns {
+                    0 => apart / chain.reach,
+                    _ => apart - period * libm::round(apart / period),
+                };
+                apart.abs() <= SAME
             })
         };
         match found.iter_mut().find(|(other, _)| same(other)) {
@@ -313,3 +326,6 @@ fn met(chain: &FollowingChain, target: Target, sample: &Sample, starts: u32) -> 
     }
     found.into_iter().map(|(_, count)| count).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -15,6 +15,7 @@ mod expansion;
 pub mod general;
 mod polynomial;
 mod reading;
+mod refusal;
 mod roots;
 /// Problems of any kind as chains whose rows follow a few unknowns.
 pub mod rows;
@@ -28,6 +29,7 @@ mod writing;
 
 use super::expression::{Arena, Expr};
 use crate::model::{Chain, JointKind, Model, Problem, Target};
+pub use refusal::Refusal;
 use search::Steps;
 use tracked::Seen;
 
@@ -145,86 +147,14 @@ impl StageEquation {
     }
 }
 
-/// Why a problem has no solution of this kind.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Refusal {
-    /// No order of steps with one unknown each was found.
-    NoClosedForm,
-    /// The target is not handled by this method.
-    NotByThisMethod,
-    /// A row follows others by a factor that isn't a whole number, or mixes angles and lengths.
-    Coupling,
-    /// At every pose the joints leave some of what the target prescribes unmoved.
-    Singular {
-        /// The joints that are left to move.
-        joints: Vec<String>,
-        /// In so many ways they move what is prescribed.
-        ways: usize,
-        /// What is prescribed.
-        target: Target,
-        /// Targets that they could meet.
-        suiting: Vec<Target>,
-    },
-}
-
-impl Refusal {
-    /// In words, for a diagnostic.
-    pub fn text(&self) -> String {
-        match self {
-            Self::NoClosedForm => "no order of steps with one unknown each solves it in closed form".to_owned(),
-            Self::NotByThisMethod => "this target isn't solved in closed form".to_owned(),
-            Self::Coupling => {
-                "a joint follows another by a factor that is no whole number, so that its whole turns cannot be told apart".to_owned()
-            }
-            Self::Singular { joints, ways, target, .. } => {
-                let (name, rows) = (target.name(), target.rows());
-                let moves = match joints.as_slice() {
-                    [one] => format!("{one} moves"),
-                    [others @ .., last] => format!("{} and {last} move", others.join(", ")),
-                    [] => "no joint moves".to_owned(),
-                };
-                format!(
-                    "at every pose {moves} the tool in {ways} of the {rows} ways that `{name}` prescribes, so that a target has a curve of solutions or none"
-                )
-            }
-        }
-    }
-
-    /// What to write instead.
-    pub fn help(&self) -> String {
-        match self {
-            Self::Singular { suiting, .. } if !suiting.is_empty() => {
-                let names: Vec<_> = suiting.iter().map(|target| format!("`{}`", target.name())).collect();
-                format!("these joints can meet another target: {}", names.join(", "))
-            }
-            Self::Singular { joints, ways, .. } => {
-                let more = joints.len().saturating_sub(*ways);
-                format!(
-                    "hold {more} of them, or leave {more} to the caller (`free`), and prescribe a target with {ways} row{}",
-                    if *ways == 1 { "" } else { "s" }
-                )
-            }
-            _ => "hold further joints by constraints, or prescribe a target that the joints left can reach one after the other".to_owned(),
-        }
-    }
-}
-
-/// Whether a joint follows another by a fraction of its turns: q in (-pi, pi] would break what is asked.
-fn by_a_fraction(constraint: &crate::model::Linear) -> bool {
-    constraint.terms.len() > 1
-        && constraint.terms.iter().any(|(_, factor)| (factor - factor.round()).abs() > 1e-12)
-}
-
 /// Derives the solution of a problem.
 ///
 /// # Errors
 /// Says why there is none in closed form.
 pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
-    if problem.constraints.iter().any(by_a_fraction) {
-        return Err(Refusal::Coupling);
-    }
-    let unknowns =
-        unknowns::eliminate(model, &problem.constraints, &problem.free).map_err(|_| Refusal::Coupling)?;
+    refusal::by_a_fraction(&problem.constraints)?;
+    let unknowns = unknowns::eliminate(model, &problem.constraints, &problem.free)
+        .map_err(|trouble| Refusal::of(trouble, model))?;
     let mut outcome = solve(model, problem, &unknowns, Seen::FromBase);
     if let (Err(Refusal::NoClosedForm), Target::Pose | Target::Rotation) = (&outcome, problem.target) {
         let from_tip = solve(model, problem, &unknowns, Seen::FromTool);

@@ -290,33 +290,89 @@ fn generated_code_gives_the_bits_of_the_interpreter() {
     }
 }
 
+/// A table of rows without joints of its own, with an `[[ik]]` entry.
+fn with_problem(rows: &str, problem: &str) -> String {
+    format!("[robot]\nname = \"flat\"\nconvention = \"standard\"\n{rows}[[ik]]\nname = \"p\"\n{problem}")
+}
+
+/// What is said of a table.
+fn said(text: &str) -> String {
+    compile(text, Level::Quick).diagnostics.render(text, "flat.toml", dh_codegen::diagnostic::Style::Plain)
+}
+
+fn is_solved(text: &str) -> bool {
+    let unsolved = compile(text, Level::Quick).output.unwrap().unsolved;
+    unsolved.iter().all(|unsolved| unsolved.problem.is_none())
+}
+
 /// What no target of this kind can determine is refused, and what could be is named.
 #[test]
 fn arms_that_are_singular_everywhere_are_told_so() {
     let row = "[[joint]]\na = 0.3\n";
-    let table = |target: &str| {
-        format!(
-            "[robot]\nname = \"flat\"\nconvention = \"standard\"\n{row}{row}{row}[[ik]]\nname = \"p\"\ntarget = \"{target}\"\n"
-        )
-    };
-    let text = table("position");
-    let refused = compile(&text, Level::Quick).diagnostics.render(
-        &text,
-        "flat.toml",
-        dh_codegen::diagnostic::Style::Plain,
-    );
+    let three = row.repeat(3);
+    let refused = said(&with_problem(&three, "target = \"position\"\n"));
     assert!(
         refused.contains("J1, J2 and J3 move the tool in 2 of the 3 ways that `position` prescribes"),
         "{refused}"
     );
     assert!(refused.contains("can meet another target: `xy_yaw`"), "{refused}");
-    let text = table("xy_yaw");
+    assert!(is_solved(&with_problem(&three, "target = \"xy_yaw\"\n")));
+
+    // What is tied to others need not be held with them.
+    let four = row.repeat(4);
+    let tied = |more: &str| format!("{more}constraints = [\"q1 + q2 + q3 + q4 = 0\"");
+    let refused = said(&with_problem(&four, &format!("target = \"position\"\n{}]\n", tied(""))));
+    assert!(refused.contains("J1, J2, J3 and J4 move the tool in 2 of the 3 ways"), "{refused}");
     assert!(
-        compile(&text, Level::Quick)
-            .output
-            .unwrap()
-            .unsolved
-            .iter()
-            .all(|unsolved| unsolved.problem.is_none())
+        refused.contains(
+            "hold 1 of them, or leave 1 to the caller (`free`), and prescribe a target with 2 rows"
+        ),
+        "{refused}"
     );
+    assert!(is_solved(&with_problem(&four, &format!("target = \"xy\"\n{}, \"q1 = 0.2\"]\n", tied("")))));
+
+    // A joint that the caller gives doesn't move.
+    let five = row.repeat(5);
+    let given = tied("target = \"position\"\nfree = [\"J5\"]\n");
+    let refused = said(&with_problem(&five, &format!("{given}]\n")));
+    assert!(refused.contains("J1, J2, J3 and J4 move the tool in 2 of the 3 ways"), "{refused}");
+}
+
+/// Each reason has its own words, and what they say to write instead is solved.
+#[test]
+fn followers_that_no_search_takes_are_told_why() {
+    let rows = |slides: bool, factor: &str| {
+        let second = if slides { "type = \"prismatic\"\n" } else { "" };
+        format!(
+            "[[joint]]\na = 0.3\nalpha = 1.2\n[[joint]]\n{second}a = 0.2\nalpha = 0.7\n\
+             [[joint]]\na = 0.3\nalpha = 1.0\nfixed = 0\ncouple = {{ J2 = {factor} }}\n[[joint]]\na = 0.4\nalpha = 0.3\n"
+        )
+    };
+    let position = "target = \"position\"\n";
+
+    let refused = said(&with_problem(&rows(true, "2"), position));
+    assert!(refused.contains("`J3`, an angle, follows `J2`, a length"), "{refused}");
+    assert!(refused.contains("hold `J2` by a constraint"), "{refused}");
+    assert!(is_solved(&with_problem(&rows(true, "2"), "target = \"xy\"\nconstraints = [\"d2 = 0.1\"]\n")));
+
+    let refused = said(&with_problem(&rows(false, "0.37"), position));
+    assert!(
+        refused.contains("`J3` follows `J2` by a factor of 0.37: not even 24 whole turns of `J2`"),
+        "{refused}"
+    );
+    assert!(refused.contains("a fraction with a denominator of up to 24"), "{refused}");
+    assert!(is_solved(&with_problem(&rows(false, "1.5"), position)));
+    assert!(is_solved(&with_problem(&rows(false, "0.37"), "target = \"xy\"\nfree = [\"J2\"]\n")));
+
+    let four: String =
+        ["1.2", "0.7", "1.0", "0.3"].map(|alpha| format!("[[joint]]\na = 0.3\nalpha = {alpha}\n")).concat();
+    let tied =
+        |constraint: &str| with_problem(&four, &format!("{position}constraints = [\"{constraint}\"]\n"));
+    let refused = said(&tied("theta2 = 1.5 * theta3"));
+    assert!(
+        refused.contains("the constraint `theta2 = 1.5 * theta3` has a factor that is no whole number"),
+        "{refused}"
+    );
+    assert!(refused.contains("multiply it by 2"), "{refused}");
+    assert!(is_solved(&tied("2 * theta2 = 3 * theta3")));
 }

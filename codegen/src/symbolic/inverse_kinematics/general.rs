@@ -3,6 +3,7 @@
 //! Constraints are put into the chain. What a target leaves open becomes joints behind the tool: a target of position
 //! and direction is a pose for an arm whose tool can also turn about its z axis.
 
+use super::refusal::by_a_fraction;
 use super::unknowns::{self, Form};
 use super::{Linear, Refusal};
 use crate::model::chain::{Element, Link};
@@ -39,11 +40,9 @@ pub struct GeneralJoint {
 /// # Errors
 /// Says what stands against it.
 pub fn chain(model: &Model, problem: &Problem) -> Result<General, Refusal> {
-    if problem.constraints.iter().any(super::by_a_fraction) {
-        return Err(Refusal::Coupling);
-    }
-    let unknowns =
-        unknowns::eliminate(model, &problem.constraints, &problem.free).map_err(|_| Refusal::Coupling)?;
+    by_a_fraction(&problem.constraints)?;
+    let unknowns = unknowns::eliminate(model, &problem.constraints, &problem.free)
+        .map_err(|trouble| Refusal::of(trouble, model))?;
     let (behind, tip) = behind_the_tool(problem.target).ok_or(Refusal::NotByThisMethod)?;
     let table = model.chain();
     let mut links = table.links.iter().map(frame);
@@ -53,11 +52,11 @@ pub fn chain(model: &Model, problem: &Problem) -> Result<General, Refusal> {
     let mut places: Vec<Option<usize>> = vec![None; unknowns.free.len()];
     for (joint, after) in table.joints.iter().zip(links) {
         let prismatic = joint.kind == JointKind::Prismatic;
-        let form = unknowns.rows.get(joint.row).ok_or(Refusal::Coupling)?;
+        let form = unknowns.rows.get(joint.row).ok_or(Refusal::NotByThisMethod)?;
         match single(form) {
             Value::Held => link = link.compose(&held(prismatic, form)).compose(&after),
             Value::Free(variable) => {
-                let place = places.get_mut(variable).ok_or(Refusal::Coupling)?;
+                let place = places.get_mut(variable).ok_or(Refusal::NotByThisMethod)?;
                 if place.is_some() {
                     return Err(Refusal::NoClosedForm);
                 }

@@ -2,13 +2,15 @@
 //! joints.
 
 use super::general::{frame, held};
+use super::refusal::by_a_fraction;
 use super::unknowns::{self, Form, Free};
 use super::{Linear, Refusal};
 use crate::model::{JointKind, Model, Problem};
 use dh_core::Frame;
 
-/// After at most so many whole turns of an unknown all rows that follow it are as they were.
-const MOST_TURNS: u8 = 24;
+/// After at most so many whole turns of an unknown all rows that follow it are as they were. The places that a search starts
+/// from are spread over all these turns: of the 256 that it is measured with (`plan::descents`), ten a turn are left.
+pub(super) const MOST_TURNS: u8 = 24;
 
 /// What ought to be a whole number is one, to within this.
 const WHOLE: f64 = 1e-9;
@@ -40,17 +42,15 @@ pub struct Unknown {
 /// # Errors
 /// Says what stands against it.
 pub fn chain(model: &Model, problem: &Problem) -> Result<Rows, Refusal> {
-    if problem.constraints.iter().any(super::by_a_fraction) {
-        return Err(Refusal::Coupling);
-    }
-    let unknowns =
-        unknowns::eliminate_any(model, &problem.constraints, &problem.free).map_err(|_| Refusal::Coupling)?;
+    by_a_fraction(&problem.constraints)?;
+    let unknowns = unknowns::eliminate_any(model, &problem.constraints, &problem.free)
+        .map_err(|trouble| Refusal::of(trouble, model))?;
     let table = model.chain();
     let mut links = table.links.iter().map(frame);
     let mut link = links.next().unwrap_or(Frame::IDENTITY);
     let mut chain = Rows { links: Vec::new(), rows: Vec::new(), unknowns: Vec::new(), q: Vec::new() };
     for (joint, after) in table.joints.iter().zip(links) {
-        let form = unknowns.rows.get(joint.row).ok_or(Refusal::Coupling)?;
+        let form = unknowns.rows.get(joint.row).ok_or(Refusal::NotByThisMethod)?;
         if form.coefficients.iter().all(|factor| *factor == 0.0) {
             let prismatic = joint.kind == JointKind::Prismatic;
             link = link.compose(&held(prismatic, form)).compose(&after);
@@ -62,18 +62,30 @@ pub fn chain(model: &Model, problem: &Problem) -> Result<Rows, Refusal> {
     chain.links.push(link);
     chain.q = unknowns.joints.iter().map(|form| linear(form, &unknowns.free)).collect();
     for (place, free) in unknowns.free.iter().enumerate().filter(|(_, free)| free.given.is_none()) {
-        let factors = unknowns.rows.iter().filter_map(|row| row.coefficients.get(place));
-        let whole = |turns: &u8| {
-            let mut turned = factors.clone().map(|factor| factor * f64::from(*turns));
-            turned.all(|turned| (turned - turned.round()).abs() < WHOLE)
-        };
         let turns = match free.kind {
             JointKind::Prismatic => 0,
-            JointKind::Revolute => (1..=MOST_TURNS).find(whole).ok_or(Refusal::Coupling)?,
+            JointKind::Revolute => turns(&unknowns.rows, place)
+                .map_err(|(row, factor)| Refusal::turns(model, row, free.row, factor))?,
         };
         chain.unknowns.push(Unknown { row: free.row, turns });
     }
     Ok(chain)
+}
+
+/// After how many whole turns of this variable all rows are as they were; else the first row that isn't, with its factor.
+fn turns(rows: &[Form], place: usize) -> Result<u8, (usize, f64)> {
+    let mut turns = 1;
+    for (row, form) in rows.iter().enumerate() {
+        let factor = form.coefficients.get(place).copied().unwrap_or(0.0);
+        let whole = |turns: &u8| {
+            let turned = factor * f64::from(*turns);
+            (turned - turned.round()).abs() < WHOLE
+        };
+        // A multiple of what the rows before it need.
+        let mut multiples = (1..=MOST_TURNS).filter(|multiple| multiple.is_multiple_of(turns));
+        turns = multiples.find(whole).ok_or((row, factor))?;
+    }
+    Ok(turns)
 }
 
 /// By unknowns, which come first, and what the caller gives.

@@ -102,7 +102,12 @@ impl Unknowns {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Trouble {
     /// An angle that follows a length, or a length that follows an angle.
-    MixedKinds,
+    MixedKinds {
+        /// Which row of the table.
+        row: usize,
+        /// The row that it follows.
+        leader: usize,
+    },
     /// A row that follows by a fraction, or by too large a multiple.
     Fraction,
 }
@@ -298,9 +303,9 @@ fn in_free(
             Some(Some(form)) => by_free(form),
             _ => by_free(&unit(index, width)),
         };
-        let mixed = form.coefficients.iter().zip(&free).any(|(x, free)| *x != 0.0 && free.kind != data.kind);
-        if mixed {
-            return Err(Trouble::MixedKinds);
+        let mut leaders = form.coefficients.iter().zip(&free);
+        if let Some((_, other)) = leaders.find(|(x, free)| **x != 0.0 && free.kind != data.kind) {
+            return Err(Trouble::MixedKinds { row: index, leader: other.row });
         }
         rows.push(form);
     }
