@@ -221,7 +221,7 @@ impl<'a, const K: usize> Problem<'a, K> {
 
     /// The start of this number.
     fn start(&self, number: u32) -> [f64; K] {
-        let parts = evenly::<f64>(number, K);
+        let parts = evenly::<f64, K>(number, K);
         let mut start = [0.0; K];
         for (place, (value, part)) in start.iter_mut().zip(parts).enumerate() {
             *value = part * if self.slides(place) { 2.0 } else { core::f64::consts::TAU };

@@ -1,5 +1,6 @@
 //! The target nearest to one that cannot be reached.
 
+use crate::evenly::evenly;
 use crate::frame::{norm, sub};
 use crate::kinematics::padded;
 use crate::selection::nearest_winding;
@@ -129,18 +130,14 @@ struct Local<S> {
 }
 
 impl<K: Kinematics<S> + ?Sized, S: Float> Descent<'_, K, S> {
-    /// Joint values that fill the space inside the limits evenly, by multiples of the powers of 1/g where g^(n+1) = g + 1 is
-    /// near enough to 1 + 0.69/n.
+    /// Joint values that fill the space inside the limits evenly.
     fn start(&self, number: u32) -> [S; MAX_JOINTS] {
         let mut q = [S::ZERO; MAX_JOINTS];
-        let inverse = S::ONE / (S::ONE + S::from_f64(0.69 / (self.dof.max(1) as f64)));
-        let mut power = S::from_f64(f64::from(number));
-        for (value, joint) in q.iter_mut().zip(self.arm.joints()) {
-            power *= inverse;
-            let part = power - power.floor();
+        let parts = evenly::<S, MAX_JOINTS>(number, self.dof);
+        for ((value, joint), part) in q.iter_mut().zip(self.arm.joints()).zip(parts) {
             let half = if joint.kind == JointKind::Revolute { S::PI } else { S::ONE / self.per_reach };
             let (min, max) = joint.limits.map_or((-half, half), |limits| (limits.min, limits.max));
-            *value = min + part * (max - min);
+            *value = (min + max) / S::TWO + part * (max - min);
         }
         q
     }

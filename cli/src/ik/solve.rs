@@ -279,8 +279,8 @@ impl<'a> Question<'a> {
         branch.map_or_else(String::new, |branch| info.named(branch).to_string())
     }
 
-    /// The nearest to the seed first, where there is one. What is allowed comes in that order, but where the measure is
-    /// another.
+    /// The nearest to the seed first, where there is one. Allowed solutions already come nearest first by the usual measure;
+    /// they are sorted again only where another measure was asked for.
     fn sort(&self, answers: &mut [Answer]) {
         let travel = match &self.travel {
             Some((weights, norm)) => Travel { weights, norm: *norm },

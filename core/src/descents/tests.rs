@@ -23,7 +23,8 @@ fn shifted(x: f64) -> Frame {
 /// Slides have no limits but where a table gives them, and then the reach has no part of theirs.
 #[test]
 fn a_slide_goes_as_far_as_it_must() {
-    let links = [turned([0.0; 3]), turned([0.0, FRAC_PI_2, 0.0]), turned([FRAC_PI_2, 0.0, 0.0]), shifted(0.05)];
+    let links =
+        [turned([0.0; 3]), turned([0.0, FRAC_PI_2, 0.0]), turned([FRAC_PI_2, 0.0, 0.0]), shifted(0.05)];
     let chain = RowChain {
         links: &links,
         prismatic: &[false, true, false],
@@ -63,8 +64,14 @@ fn a_solution_beside_a_curve_is_found() {
     let forms: Vec<&[f64]> = forms.iter().map(|form| &form[..]).collect();
     let mut links = [shifted(1.0); 7];
     links[0] = Frame::IDENTITY;
-    let chain =
-        RowChain { links: &links, prismatic: &[false; 6], forms: &forms, turns: &[1, 1], reach: 6.0, patience: 256 };
+    let chain = RowChain {
+        links: &links,
+        prismatic: &[false; 6],
+        forms: &forms,
+        turns: &[1, 1],
+        reach: 6.0,
+        patience: 256,
+    };
     let (found, _) = search(&chain, &Target::Xy([0.0; 2]), 0.0);
     let beside = found.iter().find(|other| (other.x[0] - x).abs() < 1e-6 && (other.x[1] - y).abs() < 1e-6);
     assert_eq!(beside.map(|solution| solution.free), Some(None), "{found:?}");
@@ -75,14 +82,23 @@ fn a_solution_beside_a_curve_is_found() {
 #[test]
 fn what_is_handed_on_of_a_curve_heads_as_wanted() {
     let links = [turned([-FRAC_PI_2, 0.0, 0.0]), Frame::IDENTITY];
-    let chain =
-        RowChain { links: &links, prismatic: &[false], forms: &[&[1.0, 0.0]], turns: &[1], reach: 1.0, patience: 64 };
+    let chain = RowChain {
+        links: &links,
+        prismatic: &[false],
+        forms: &[&[1.0, 0.0]],
+        turns: &[1],
+        reach: 1.0,
+        patience: 64,
+    };
     for (yaw, wanted) in [(0.0, 0.4), (0.0, 3.0), (PI, 3.0), (PI, 0.4)] {
         let target = Target::PositionYaw { position: [0.0; 3], yaw };
         let (found, _) = search(&chain, &target, wanted);
         assert!(found.len() == 1 && found[0].free == Some(0), "{found:?}");
         let (position, rotation) = target.errors(&chain.tip(&[], &found[0].x));
-        assert!(position < 1e-9 && rotation < 1e-9, "yaw {yaw}, near {wanted}: off by {rotation} at {found:?}");
+        assert!(
+            position < 1e-9 && rotation < 1e-9,
+            "yaw {yaw}, near {wanted}: off by {rotation} at {found:?}"
+        );
     }
 }
 
@@ -90,8 +106,14 @@ fn what_is_handed_on_of_a_curve_heads_as_wanted() {
 #[test]
 fn a_target_that_is_met_only_backwards_is_missed_by_half_a_turn() {
     let links = [turned([0.0, FRAC_PI_2, 0.0]), turned([0.0, -FRAC_PI_2, 0.0])];
-    let chain =
-        RowChain { links: &links, prismatic: &[true], forms: &[&[1.0, 0.0]], turns: &[0], reach: 1.0, patience: 64 };
+    let chain = RowChain {
+        links: &links,
+        prismatic: &[true],
+        forms: &[&[1.0, 0.0]],
+        turns: &[0],
+        reach: 1.0,
+        patience: 64,
+    };
     let target = |yaw| Target::XyYaw { position: [0.3, 0.0], yaw };
     assert_eq!(search(&chain, &target(0.0), 0.0).0.len(), 1);
     let (found, miss) = search(&chain, &target(PI), 0.0);

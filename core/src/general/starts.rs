@@ -14,7 +14,8 @@ pub(crate) const MORE: usize = 8;
 
 /// Joint values (rad, reaches) that fill the joint space evenly.
 pub(super) fn everywhere() -> impl Iterator<Item = [f64; JOINTS]> {
-    (1..=MOST_STARTS).map(|number| evenly::<f64>(number, JOINTS).map(|part| core::f64::consts::TAU * part))
+    (1..=MOST_STARTS)
+        .map(|number| evenly::<f64, JOINTS>(number, JOINTS).map(|part| core::f64::consts::TAU * part))
 }
 
 /// Some places.

@@ -5,8 +5,8 @@ use crate::{Float, Frame, Target};
 
 /// The frame of this number. Lengths that are left open go as far as `reach` (m) about `middle`.
 pub(super) fn frame<S: Float>(target: &Target<S>, number: u32, reach: S, middle: [S; 3]) -> Frame<S> {
-    let part = |dimensions| evenly::<S>(number, dimensions);
-    let ([one, ..], [two, aside, ..], [u, v, w, t, ..]) = (part(1), part(2), part(4));
+    let ([one], [two, aside], [u, v, w, t]) =
+        (evenly(number, 1), evenly(number, 2), evenly::<S, 4>(number, 4));
     let [roll, pitch, yaw] = [u * S::TAU, v * S::PI, w * S::TAU];
     let about = |turn: [S; 3]| Frame::from_rpy([S::ZERO; 3], turn);
     let spun = |part: S| about([S::ZERO, S::ZERO, part * S::TAU]);
