@@ -57,11 +57,9 @@ pub fn compile(text: &str, level: Level) -> Compilation {
     let output = match model {
         Some(model) if !diagnostics.has_errors() => {
             let (mut plan, unsolved) = plan::build(&model);
-            let otherwise =
-                |problem| plan::general(&model, problem).or_else(|_| plan::descents(&model, problem));
             let unsolved: Vec<Unsolved> = unsolved
                 .into_iter()
-                .filter_map(|unsolved| match otherwise(unsolved.problem) {
+                .filter_map(|unsolved| match plan::at_once(&model, unsolved.problem) {
                     Ok(function) => {
                         plan.functions.push(function);
                         None

@@ -23,7 +23,7 @@ pub use descents::FollowingChain;
 pub use general::GeneralChain;
 pub use inverse::Unsolved;
 pub use near::Nearly;
-pub use ways::{descents, general, next, second};
+pub use ways::{at_once, general, next, second};
 
 /// Every function that the robot has, and the problems that have none.
 pub fn build(model: &crate::model::Model) -> (Plan, Vec<Unsolved>) {
@@ -160,12 +160,6 @@ impl Function {
             _ => false,
         };
         steps.iter().any(all)
-    }
-
-    /// Whether a stage finds joints at once that could be taken for a sum of theirs.
-    pub fn finds_few_at_once(&self, stage: usize) -> bool {
-        let few = self.stages.get(stage).is_some_and(|stage| stage.rows.count_ones() <= 3);
-        few && self.searches(stage)
     }
 
     /// Whether its solutions are all searched for at once, without a closed form.

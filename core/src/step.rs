@@ -49,11 +49,10 @@ impl Measure {
 impl Step {
     /// A step whose root, of two, has a sign.
     pub const fn new(index: u8, rows: u32, prismatic: bool, measure: Measure) -> Self {
-        let at_once = rows.count_ones() > MOST_AS_ONE;
-        Self { index, rows, prismatic, measure, signed: true, at_once }
+        Self { index, rows, prismatic, measure, signed: true, at_once: false }
     }
 
-    /// The same; its rows are unknowns of their own. More than three always are.
+    /// The same; its rows are unknowns of their own.
     #[must_use]
     pub const fn at_once(self) -> Self {
         Self { at_once: true, ..self }
@@ -80,9 +79,6 @@ impl Step {
         self.prismatic || matches!(self.measure, Measure::Length)
     }
 }
-
-/// More rows than this turn as one nowhere.
-const MOST_AS_ONE: u32 = 3;
 
 /// `step 2 (theta2 + theta3)`, counted from 1.
 impl fmt::Display for Step {

@@ -630,7 +630,7 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 /// Every solution of the full pose.
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, IkError> {
-    const THETA3: Step = Step::new(0, 0b11_1111, false, Measure::Ratio);
+    const THETA3: Step = Step::new(0, 0b11_1111, false, Measure::Ratio).at_once();
     #[rustfmt::skip]
     const BARE_CHAIN: GeneralArm<'static> = GeneralArm {
         // Rows of [R | p]: before the first joint, between the joints, after the last.

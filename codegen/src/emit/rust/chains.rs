@@ -52,11 +52,7 @@ impl Printer<'_> {
             text.line("        // Each joint as a form in those of the chain: six factors and a constant.");
             text.line("        joints: [");
             for form in joints {
-                let form = form.iter().map(|x| {
-                    let size = number(x.abs(), super::ScalarType::F64, &self.paths);
-                    if *x < 0.0 { format!("-{size}") } else { size }
-                });
-                text.line(format!("            [{}],", form.collect::<Vec<_>>().join(", ")));
+                text.line(format!("            {},", self.exact_list(form)));
             }
             text.line("        ],");
             text.line("    }),");
@@ -73,7 +69,7 @@ impl Printer<'_> {
         Self::allow_approximate(text, chain.links.iter().flat_map(dh_core::Frame::rows).chain(forms));
         text.line("#[rustfmt::skip]");
         text.line(format!("const {name}: {ty}<'static> = {ty} {{"));
-        self.links(text, "rows", &chain.links);
+        self.links(text, ["row", "rows"], &chain.links);
         text.line(format!("    prismatic: &{:?},", chain.prismatic));
         text.line("    // Each row by the unknowns, the joints that are given, and a constant.");
         text.line("    forms: &[");
@@ -91,7 +87,7 @@ impl Printer<'_> {
     /// An f64 whatever the scalar.
     fn exact(&self, value: f64) -> Expression {
         let text = number(value.abs(), super::ScalarType::F64, &self.paths);
-        Expression::Atom(if value < 0.0 { format!("-{text}") } else { text })
+        Expression::Atom(if value.is_sign_negative() { format!("-{text}") } else { text })
     }
 
     fn exact_list(&self, values: &[f64]) -> String {
@@ -105,10 +101,9 @@ impl Printer<'_> {
     }
 
     /// Fixed transforms between joints, or rows.
-    fn links(&self, text: &mut Text, what: &str, links: &[dh_core::Frame]) {
-        let before = what.trim_end_matches('s');
+    fn links(&self, text: &mut Text, [one, many]: [&str; 2], links: &[dh_core::Frame]) {
         text.line(format!(
-            "    // Rows of [R | p]: before the first {before}, between the {what}, after the last."
+            "    // Rows of [R | p]: before the first {one}, between the {many}, after the last."
         ));
         text.line("    links: &[");
         for link in links {
@@ -127,7 +122,7 @@ impl Printer<'_> {
         let prepared = chain.given.is_empty() && !chain.charts.is_empty();
         let bare = if prepared { format!("BARE_{name}") } else { name.to_owned() };
         text.line(format!("const {bare}: {ty}<'static> = {ty} {{"));
-        self.links(text, "joints", &chain.links);
+        self.links(text, ["joint", "joints"], &chain.links);
         text.line(format!("    prismatic: &{:?},", chain.prismatic));
         text.line(format!("    given: &{:?},", chain.given));
         text.line(format!("    reach: {},", self.exact(chain.reach).flat()));

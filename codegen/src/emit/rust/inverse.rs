@@ -34,10 +34,10 @@ impl<'a> Printer<'a> {
         let body = self.body(function, &locals);
         let mut lines = Text::indented(1);
         for (index, (stage, name)) in function.stages.iter().zip(&locals.stages).enumerate() {
-            let at_once = if function.finds_few_at_once(index) { ".at_once()" } else { "" };
+            let searches = function.searches(index);
+            let at_once = if searches { ".at_once()" } else { "" };
             let unsigned = if function.is_unsigned(index) { ".unsigned()" } else { "" };
-            let slides = !function.searches(index);
-            lines.line(self.stage(index, stage, name, slides, &format!("{at_once}{unsigned}")));
+            lines.line(self.stage(index, stage, name, !searches, &format!("{at_once}{unsigned}")));
         }
         self.arms(&mut lines, &function.steps, &locals);
         lines.gap();

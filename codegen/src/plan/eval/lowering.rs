@@ -66,27 +66,13 @@ impl<S: Float> Lowering<'_, S> {
                 let solve = Solve { stage: *stage, root: root_slot, angle, sin_cos, equation, body };
                 code.push(Instruction::Solve(Box::new(solve)));
             }
-            Step::General { stage, given, roots, body, .. }
-            | Step::Descents { stage, given, roots, body, .. } => {
-                self.inverse_only()?;
-                if *stage >= self.function.stages.len() || depth >= MAX_DEPTH {
-                    return Err(PlanError::Stage { index: *stage });
-                }
-                let given = given.iter().map(|x| self.scalar(x, code)).collect::<Result<_, _>>()?;
-                let slots = roots.iter().map(|root| self.slot(*root)).collect::<Result<_, _>>()?;
-                let outside = self.defined.clone();
-                for root in roots {
-                    self.define(*root);
-                }
-                let body = self.steps(body, depth + 1)?;
-                self.defined = outside;
-                let chain = match step {
-                    Step::Descents { chain, .. } => Chain::Following(chain.clone()),
-                    Step::General { chain, .. } => Chain::General(chain.clone()),
-                    _ => return Ok(()),
-                };
-                let at_once = AtOnce { stage: *stage, chain, given, roots: slots, body };
-                code.push(Instruction::AtOnce(Box::new(at_once)));
+            Step::General { stage, chain, given, roots, body } => {
+                let chain = Chain::General(chain.clone());
+                self.at_once(*stage, chain, given, roots, (body, depth), code)?;
+            }
+            Step::Descents { stage, chain, given, roots, body } => {
+                let chain = Chain::Following(chain.clone());
+                self.at_once(*stage, chain, given, roots, (body, depth), code)?;
             }
             Step::Near { nearly, body, otherwise, .. } => {
                 self.inverse_only()?;
@@ -114,6 +100,30 @@ impl<S: Float> Lowering<'_, S> {
                 code.push(Instruction::Accept { q, tool, polish: *polish });
             }
         }
+        Ok(())
+    }
+
+    /// A step for all unknowns at once, with its body at a depth.
+    fn at_once(
+        &mut self,
+        stage: usize,
+        chain: Chain,
+        given: &[Scalar],
+        roots: &[ValueId],
+        (body, depth): (&[Step], usize),
+        code: &mut Vec<Instruction>,
+    ) -> Result<(), PlanError> {
+        self.inverse_only()?;
+        if stage >= self.function.stages.len() || depth >= MAX_DEPTH {
+            return Err(PlanError::Stage { index: stage });
+        }
+        let given = given.iter().map(|x| self.scalar(x, code)).collect::<Result<_, _>>()?;
+        let slots = roots.iter().map(|root| self.slot(*root)).collect::<Result<_, _>>()?;
+        let outside = self.defined.clone();
+        roots.iter().for_each(|root| self.define(*root));
+        let body = self.steps(body, depth + 1)?;
+        self.defined = outside;
+        code.push(Instruction::AtOnce(Box::new(AtOnce { stage, chain, given, roots: slots, body })));
         Ok(())
     }
 

@@ -196,7 +196,7 @@ fn stages(model: &Model, function: &Function) -> Result<Vec<dh_core::Step>, Plan
             first.is_some_and(|row| row.kind == JointKind::Prismatic) && !function.searches(index);
         let index = u8::try_from(index).map_err(|_| PlanError::Stage { index })?;
         let step = dh_core::Step::new(index, stage.rows, prismatic, measure);
-        let step = if function.finds_few_at_once(usize::from(index)) { step.at_once() } else { step };
+        let step = if function.searches(usize::from(index)) { step.at_once() } else { step };
         Ok(if function.is_unsigned(usize::from(index)) { step.unsigned() } else { step })
     };
     function.stages.iter().enumerate().map(step).collect()
