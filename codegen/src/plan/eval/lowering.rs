@@ -120,7 +120,9 @@ impl<S: Float> Lowering<'_, S> {
         let given = given.iter().map(|x| self.scalar(x, code)).collect::<Result<_, _>>()?;
         let slots = roots.iter().map(|root| self.slot(*root)).collect::<Result<_, _>>()?;
         let outside = self.defined.clone();
-        roots.iter().for_each(|root| self.define(*root));
+        for root in roots {
+            self.define(*root);
+        }
         let body = self.steps(body, depth + 1)?;
         self.defined = outside;
         code.push(Instruction::AtOnce(Box::new(AtOnce { stage, chain, given, roots: slots, body })));
