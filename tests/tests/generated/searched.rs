@@ -301,8 +301,8 @@ fn said(text: &str) -> String {
 }
 
 fn is_solved(text: &str) -> bool {
-    let unsolved = compile(text, Level::Quick).output.unwrap().unsolved;
-    unsolved.iter().all(|unsolved| unsolved.problem.is_none())
+    let output = compile(text, Level::Quick).output;
+    output.is_some_and(|output| output.unsolved.iter().all(|unsolved| unsolved.problem.is_none()))
 }
 
 /// What no target of this kind can determine is refused, and what could be is named.
