@@ -241,6 +241,13 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     }
 }
 
+/// Two rows of an angle that are this small (beside the numbers that they are made of) are met by any angle, as far as the
+/// target is: 1.5e-11 in f64, 6e-5 in f32. What they say of it is what is left of an aligned wrist by steps before that are
+/// not well-conditioned, and by rounding.
+pub(crate) fn indifferent<S: Float>() -> S {
+    (S::SQRT_EPSILON / S::from_f64(1024.0)).max(S::from_f64(512.0) * S::EPSILON)
+}
+
 /// The numbers that a step's coefficients are compared with.
 struct Scale<S> {
     /// Size of the numbers that the equation is made of: the reach, its square, or 1.

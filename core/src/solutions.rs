@@ -3,6 +3,7 @@
 use core::ops::Deref;
 
 use crate::rules::wrap_all;
+use crate::search::indifferent;
 use crate::windings::{Unlimited, Windings};
 use crate::{Branch, Float, MAX_SOLUTIONS, Rules, Winding};
 
@@ -135,8 +136,9 @@ impl<const N: usize, S: Float> Solutions<N, S> {
 
     /// Leaves only solutions that meet their target to this, where there are any.
     pub(crate) fn drop_misses(&mut self, reach: S) {
-        let most = S::from_f64(EXACT) * S::EPSILON;
+        let exact = S::from_f64(EXACT) * S::EPSILON;
         let meets = |solution: &Solution<N, S>| {
+            let most = if solution.free.is_none() { exact } else { exact.max(indifferent()) };
             solution.position_error <= most * reach && solution.rotation_error <= most
         };
         if !self.as_slice().iter().any(meets) {
@@ -203,13 +205,14 @@ pub(crate) fn travel<S: Float>(a: &[S], b: &[S]) -> S {
 }
 
 /// Whether a joint differs that no other joint's whole turns move, by more than rounding and less than a turn of its own.
+#[inline]
 fn differ<const N: usize, S: Float>(a: &[S; N], b: &[S; N], windings: &[Winding<'_, S>]) -> bool {
-    windings.iter().all(|winding| winding.carries.is_empty())
-        && windings.iter().any(|winding| {
-            let (a, b) = (a.get(winding.joint), b.get(winding.joint));
-            let apart = a.zip(b).map_or(S::ZERO, |(a, b)| (*a - *b).abs());
-            apart > S::from_f64(DUPLICATE) * S::SQRT_EPSILON && apart + apart <= winding.turn
-        })
+    windings.iter().any(|winding| {
+        let (a, b) = (a.get(winding.joint), b.get(winding.joint));
+        let apart = a.zip(b).map_or(S::ZERO, |(a, b)| (*a - *b).abs());
+        let most = S::from_f64(DUPLICATE) * S::SQRT_EPSILON;
+        apart > most && apart < winding.turn - most
+    }) && windings.iter().all(|winding| winding.carries.is_empty())
 }
 
 /// Whether two sets of joint values are the same but for whole turns.

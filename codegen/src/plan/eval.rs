@@ -144,9 +144,7 @@ impl<'m, S: Float> Program<'m, S> {
             observer,
             windings,
             wanted: &wanted,
-            search: Searching::Exact(
-                Search::about(reach, windings, &wanted).with_given(&names.free),
-            ),
+            search: Searching::Exact(Search::about(reach, windings, &wanted).with_given(&names.free)),
         };
         run.run(&mut registers);
         Some(run.search.finish())

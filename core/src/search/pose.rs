@@ -1,6 +1,6 @@
 //! Candidates of the full pose.
 
-use super::Search;
+use super::{Search, indifferent};
 use crate::frame::{norm, sub};
 use crate::{Float, Frame, Solution, polish, residual_tolerance, rotation_error};
 
@@ -28,7 +28,8 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     ) {
         let position_error = norm(sub(tool.translation, target.translation));
         let rotation_error = rotation_error(&target.rotation, &tool.rotation);
-        let accurate = S::from_f64(ACCURATE) * S::EPSILON;
+        // A joint that any value will do of stays where it is wanted.
+        let accurate = if self.free_steps == 0 { S::from_f64(ACCURATE) * S::EPSILON } else { indifferent() };
         if position_error <= accurate * self.reach && rotation_error <= accurate {
             if self.doubtful {
                 self.accept(q, position_error, rotation_error);

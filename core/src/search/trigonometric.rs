@@ -1,7 +1,7 @@
 //! Equations in the cosine and sine of one angle.
 
 use super::free::Free;
-use super::{DOUBLE_ROOT, Roots, Scale, Search};
+use super::{DOUBLE_ROOT, Roots, Scale, Search, indifferent};
 use crate::{Float, IkError, Step};
 
 /// Two rows whose directions differ by less than this many square roots of the machine epsilon (rad) are one row.
@@ -24,10 +24,6 @@ const CLEAR: f64 = 1024.0;
 /// Two rows are well-conditioned where the square of their determinant is more than this, in units of the fourth power of
 /// the larger one: no digit but the last two is lost then.
 const INDEPENDENT: f64 = 1e-4;
-
-/// Two rows of this many machine epsilons (of the size of the numbers that they are made of) are met by any angle, as far as
-/// the target is: to 1e-13 in f64. What they say of it is what rounding has left.
-const INDIFFERENT: f64 = 512.0;
 
 /// Cosine and sine from two well-conditioned rows are taken as they come if the sum of their squares is this many
 /// machine epsilons from 1.
@@ -92,12 +88,13 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     }
 
     /// The angles x (rad) with a cos x + b sin x = c, of two rows each of which follows from the other wherever both say
-    /// something, and the target can be met: two, from the row with the larger coefficients.
+    /// something, and the target can be met: two, from the row with the larger coefficients. Which is the `+` root is another
+    /// in either row, and so no part of a branch.
     #[inline]
     pub fn trig_either(&mut self, step: Step, first: [S; 3], second: [S; 3]) -> Roots<S> {
         let square = |[a, b, _]: [S; 3]| a * a + b * b;
         let [a, b, c] = if square(first) > square(second) { first } else { second };
-        self.trig(step, a, b, c)
+        self.trig(step, a, b, c).signed(0)
     }
 
     /// [`Search::trig`] where its fast way doesn't apply.
@@ -202,7 +199,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let change = gauss_newton(first, second, cosine, sine);
         if h <= scale.tolerance {
             let root = sine.atan2(cosine) + change;
-            if h.max(gap) <= S::from_f64(INDIFFERENT) * S::EPSILON * scale.size {
+            if h.max(gap) <= indifferent::<S>() * scale.size {
                 self.mark_free(step);
                 let value = self.wanted_of(step).unwrap_or(root);
                 return self.free(Free::any(step, Some(value), self.accepted));

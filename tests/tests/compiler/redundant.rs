@@ -318,7 +318,10 @@ fn singular_poses_have_solutions_and_a_nearest_one() {
             }
             let target = arm.target(&q);
             let found = arm.at(&target, q[arm.free()]).unwrap_or_else(|error| panic!("{q:?}: {error}"));
-            assert!(found.iter().all(|solution| arm.miss(solution.q, &q) < 1e-6), "{q:?}");
+            for solution in found.iter() {
+                assert!(arm.miss(solution.q, &q) < 1e-6, "{q:?}");
+                assert_eq!(solution.q[arm.free()], q[arm.free()], "as it was given, {q:?}");
+            }
             let seed: Vec<f64> = q.iter().map(|q| q + 1e-3).collect();
             let near = nearest(&arm, &target, &seed).unwrap_or_else(|error| panic!("{q:?}: {error}"));
             assert!(arm.miss(&near, &q) < 1e-6, "{q:?}");
