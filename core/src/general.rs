@@ -293,8 +293,11 @@ impl SixJoints<'_> {
                     // Two roots have gone to one solution: another may have none. Where one is that should not be, the
                     // polynomial is not to be trusted.
                     let mut add = |q: &[f64; JOINTS], determinant: f64| {
-                        outcome.doubtful |= known.insert(q, determinant) != likely;
-                        found(&self.in_metres(*q), determinant);
+                        let new = known.insert(q, determinant);
+                        outcome.doubtful |= new != likely;
+                        if new {
+                            found(&self.in_metres(*q), determinant);
+                        }
                     };
                     add(q, determinant);
                     if let Some(mirror) = &mirror {

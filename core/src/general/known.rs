@@ -63,12 +63,15 @@ impl Known {
 }
 
 /// Whether two sets of joint values are one but for whole turns.
+#[inline]
 pub(crate) fn same(a: &[f64; JOINTS], b: &[f64; JOINTS], prismatic: [bool; JOINTS], tolerance: f64) -> bool {
+    const TURN: f64 = core::f64::consts::TAU;
     a.iter().zip(b).zip(prismatic).all(|((a, b), slides)| {
         let apart = libm::fabs(a - b);
-        // Most are told apart by this without their turns being counted.
-        apart <= tolerance
-            || !(slides || apart < core::f64::consts::PI)
-                && libm::fabs(crate::Float::wrap_angle(a - b)) <= tolerance
+        // Which half of a turn they are apart can't be foreseen: most are told from each other without asking.
+        let (off, beyond) = (libm::fabs(apart - TURN), apart > TURN + tolerance);
+        let nearest = if slides || apart < off { apart } else { off };
+        nearest <= tolerance
+            || (beyond && !slides && libm::fabs(crate::Float::wrap_angle(a - b)) <= tolerance)
     })
 }
