@@ -2,9 +2,11 @@
 //! caller gives, or which is looked for here.
 
 mod curve;
+mod forces;
 mod intervals;
 mod into_set;
 mod nearest;
+mod pseudo_inverse;
 
 pub use nearest::Arm;
 

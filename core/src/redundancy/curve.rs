@@ -1,19 +1,30 @@
 //! The curve of joint values that keep a pose, point by point: back onto it, along it, towards a seed, to a limit.
 
-use crate::frame::{norm, sub, turn};
+use super::forces::Forces;
+use super::pseudo_inverse::{PseudoInverse, add, dot};
+use crate::frame::{add as plus, cross, sub, turn};
 use crate::solutions::travel;
 use crate::{Float, Frame};
 
 /// How often joint values are moved before they are given up: each move squares what is left of the error.
 const MOVES: u32 = 80;
+/// A move of this (rad or m) may be the last one before which the Jacobian is inverted: what it leaves is taken away by the
+/// same inverse.
+const LAST: f64 = 1e-3;
+/// Where that is not enough, moves are to be so much shorter.
+const SHORTER: f64 = 1.0 / 64.0;
+/// How often an inverse is used again, and an error (reaches, rad) in machine epsilons that is what rounding leaves.
+const AGAIN: u32 = 3;
+const ROUNDING: f64 = 32.0;
+/// How much of the square of an offset may lie along the curve where it is said to be across: the distance is off by half
+/// of that part at most.
+const INEXACT: f64 = 1e-9;
 /// The greatest move along the curve (rad or m), and back onto it.
 const LONGEST: f64 = 0.3;
 /// Back onto the curve by more than this part of a move along it is far.
 const STRAYS: f64 = 0.25;
-/// Below this the distance bends the wrong way, or hardly: no parabola is laid.
+/// Below this the square of the distance bends the wrong way along the curve, or hardly: its parabola isn't followed.
 const FLAT: f64 = 0.2;
-/// A row of the Jacobian (in reaches and rad) that others leave less than this of says nothing.
-const VANISHING: f64 = 1e-9;
 
 /// The curve, and what it is looked at from.
 pub(super) struct Curve<'c, const N: usize, S, F> {
@@ -29,12 +40,24 @@ pub(super) struct Curve<'c, const N: usize, S, F> {
     pub(super) seed: &'c [S; N],
 }
 
+/// Tool frame (m), and columns of the Jacobian (rad, m).
+pub(super) type State<const N: usize, S> = (Frame<S>, [[S; 6]; N]);
+
 /// The curve near some joint values.
 pub(super) struct Local<const N: usize, S> {
+    inverse: PseudoInverse<N, S>,
     /// The least change that leads onto it, to first order.
     correction: [S; N],
     /// Its direction, of length 1.
     pub(super) tangent: [S; N],
+}
+
+/// A point of the curve.
+pub(super) struct Point<const N: usize, S> {
+    /// rad or m
+    pub(super) q: [S; N],
+    /// The tool frame (m) there.
+    pub(super) tool: Frame<S>,
 }
 
 impl<const N: usize, S, F> Curve<'_, N, S, F>
@@ -42,11 +65,17 @@ where
     S: Float,
     F: Fn(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
 {
-    /// The Jacobian's rows (reaches and rad) and what joint values are off by in them.
-    fn rows(&self, tool: &Frame<S>, columns: &[[S; 6]; N]) -> ([[S; N]; 6], [S; 6]) {
+    /// What a tool frame is off by, in reaches and rad.
+    fn error(&self, tool: &Frame<S>) -> [S; 6] {
         let p = self.per_reach;
-        let [px, py, pz] = sub(self.pose.translation, tool.translation).map(|x| x * p);
+        let [px, py, pz] = sub(self.pose.translation, tool.translation);
         let ([wx, wy, wz], _) = turn(&tool.rotation, &self.pose.rotation);
+        [px * p, py * p, pz * p, wx, wy, wz]
+    }
+
+    /// The Jacobian's rows (reaches and rad).
+    fn rows(&self, columns: &[[S; 6]; N]) -> [[S; N]; 6] {
+        let p = self.per_reach;
         let mut rows = [[S::ZERO; N]; 6];
         let [r1, r2, r3, r4, r5, r6] = &mut rows;
         let entries = r1.iter_mut().zip(r2).zip(r3).zip(r4).zip(r5).zip(r6);
@@ -54,131 +83,72 @@ where
             (*e1, *e2, *e3) = (*vx * p, *vy * p, *vz * p);
             (*e4, *e5, *e6) = (*ax, *ay, *az);
         }
-        (rows, [px, py, pz, wx, wy, wz])
+        rows
     }
 
-    /// The linear equations J dq = e at joint values.
-    pub(super) fn local(&self, q: &[S; N]) -> Local<N, S> {
-        self.local_of(&(self.state)(q))
+    /// The linear equations J dq = e at joint values, of which tool frame and Jacobian are known.
+    pub(super) fn local(&self, (tool, columns): &State<N, S>) -> Local<N, S> {
+        let (inverse, tangent) = PseudoInverse::of(self.rows(columns), self.dof);
+        Local { correction: inverse.least(&self.error(tool)), tangent, inverse }
     }
 
-    /// The same where tool frame and Jacobian are known.
-    pub(super) fn local_of(&self, (tool, columns): &(Frame<S>, [[S; 6]; N])) -> Local<N, S> {
-        let (rows, error) = self.rows(tool, columns);
-        let factors = Factors::of(rows);
-        let mut left = error;
-        let mut correction = [S::ZERO; N];
-        for (place, (row, inverse)) in factors.rows.iter().zip(factors.inverses).enumerate() {
-            let own = left.get(place).copied().unwrap_or(S::ZERO);
-            for (left, shares) in left.iter_mut().zip(&factors.triangle).skip(place + 1) {
-                *left -= shares.get(place).copied().unwrap_or(S::ZERO) * own;
-            }
-            add(&mut correction, row, own * inverse);
-        }
-        Local { correction, tangent: self.across(&factors) }
-    }
-
-    /// The direction across all rows: what they leave of the joint that takes the least part in them, which is so much that
-    /// nothing is lost.
-    fn across(&self, factors: &Factors<N, S>) -> [S; N] {
-        let mut parts = [S::ZERO; N];
-        for (row, inverse) in factors.rows.iter().zip(factors.inverses) {
-            parts.iter_mut().zip(row).for_each(|(part, x)| *part += *x * *x * inverse);
-        }
-        let mut least = (0, S::INFINITY);
-        for (joint, part) in parts.iter().enumerate().take(self.dof) {
-            if *part < least.1 {
-                least = (joint, *part);
-            }
-        }
-        let mut tangent = [S::ZERO; N];
-        if let Some(slot) = tangent.get_mut(least.0) {
-            *slot = S::ONE;
-        }
-        for (row, inverse) in factors.rows.iter().zip(factors.inverses) {
-            let share = row.get(least.0).copied().unwrap_or(S::ZERO) * inverse;
-            add(&mut tangent, row, -share);
-        }
-        let inverse = S::ONE / dot(&tangent, &tangent).sqrt();
-        tangent.map(|x| x * inverse)
-    }
-
-    /// Whether no point of any curve is nearer to the seed than a bottom of one, at this distance.
+    /// The point of the curve from which the seed is nearest, downhill from joint values of which this is known, and whether
+    /// no point of any curve is nearer.
     ///
-    /// With the bottom's offset from the seed Jᵀλ (across its curve), another solution, v away from it, is at a squared
-    /// distance of D² + |v|² - 2 λ·r, where r is what the forward kinematics of it has beyond its linear part J v: the
-    /// second-order condition of Lagrange multipliers, made one for every v up to 2 D by a bound on r. That is |v|²/2 times
-    /// a bound on second derivatives: of the position in joints i <= j, the length of the Jacobian's column j; of the
-    /// orientation 1 for each pair of joints. Third derivatives add at most the second ones times twice the sum of angles.
-    pub(super) fn is_nearest(
+    /// Newton's method on what Lagrange asks of it: that it is on the curve, and that its offset from the seed is across.
+    pub(super) fn nearest_point(
         &self,
-        q: &[S; N],
-        (tool, columns): &(Frame<S>, [[S; 6]; N]),
-        distance: S,
-    ) -> bool {
-        let (rows, _) = self.rows(tool, columns);
-        let Factors { rows, inverses, triangle } = Factors::of(rows);
-        let mut offset = *q;
-        add(&mut offset, self.seed, -S::ONE);
-        // The transposed triangle, from its last row up.
-        let mut multipliers = [S::ZERO; 6];
-        for place in (0..6).rev() {
-            let inverse = inverses.get(place).copied().unwrap_or(S::ZERO);
-            let mut own = rows.get(place).map_or(S::ZERO, |row| dot(row, &offset) * inverse);
-            for (shares, found) in triangle.iter().zip(&multipliers).skip(place + 1) {
-                own -= shares.get(place).map_or(S::ZERO, |share| *share * *found);
-            }
-            if let Some(slot) = multipliers.get_mut(place) {
-                // A row that vanishes bounds nothing.
-                *slot = if inverse > S::ZERO { own } else { S::INFINITY };
-            }
-        }
-        let [l1, l2, l3, l4, l5, l6] = multipliers;
-        let [at, turned] = [[l1, l2, l3], [l4, l5, l6]].map(norm);
-        // From the last joint to the first: the greatest column from there on, and the greatest sum of a row of bounds.
-        let (mut longest, mut behind, mut position) = (S::ZERO, S::ZERO, S::ZERO);
-        let joints = S::from_f64(self.dof as f64);
-        let mut place = joints;
-        for [vx, vy, vz, ..] in columns.iter().take(self.dof).rev() {
-            longest = longest.max(norm([*vx, *vy, *vz]) * self.per_reach);
-            position = position.max(place * longest + behind);
-            behind += longest;
-            place -= S::ONE;
-        }
-        let rotation = (joints - S::ONE) / S::TWO;
-        let angles = S::TWO * joints.sqrt() * distance;
-        (at * position + turned * rotation) * (S::ONE + S::TWO * angles) <= S::ONE
-    }
-
-    /// The point of the curve from which the seed is nearest, downhill from joint values of which this is known.
-    pub(super) fn nearest_point(&self, from: &[S; N], first: Local<N, S>) -> Option<[S; N]> {
-        let mut before: Option<([S; N], S)> = None;
-        let mut bend = S::ONE;
-        self.walk(from, first, |q, local, longest| {
+        from: &[S; N],
+        state: &State<N, S>,
+        first: Local<N, S>,
+    ) -> Option<(Point<N, S>, bool)> {
+        let near = S::from_f64(LAST).max(S::SQRT_EPSILON);
+        let along = |q: &[S; N], columns: &[[S; 6]; N], local: &Local<N, S>, longest: S| {
             let mut offset = *q;
             add(&mut offset, self.seed, -S::ONE);
-            if let Some((tangent, moved)) = before {
-                if dot(&tangent, &local.tangent) < S::ZERO {
-                    local.tangent.iter_mut().for_each(|x| *x = -*x);
-                }
-                // The second derivative of half the square of the distance, along the curve; what corrections did to
-                // the tangent says nothing of it.
-                let aside = dot(&local.correction, &local.correction).sqrt();
-                if moved.abs() > S::SQRT_EPSILON && aside < moved.abs() * S::from_f64(FLAT) {
-                    bend = S::ONE + (dot(&offset, &local.tangent) - dot(&offset, &tangent)) / moved;
-                }
-            }
             let slope = dot(&offset, &local.tangent);
+            // How much of the offset that there will be is across changes with a move along the curve and with one onto it.
+            add(&mut offset, &local.correction, S::ONE);
+            let forces = Forces::new(columns, local.inverse.multipliers(&offset), self.per_reach);
+            let turned = forces.bend(columns, &local.tangent);
+            let bend = S::ONE - dot(&turned, &local.tangent);
+            // Where the square of the distance bends the wrong way, or hardly, the slope says the way.
             let along = if bend > S::from_f64(FLAT) {
-                (-slope / bend).max(-longest).min(longest)
-            } else if slope > S::ZERO {
-                -longest
+                (dot(&turned, &local.correction) - slope) / bend
             } else {
-                longest
+                -slope
             };
-            before = Some((local.tangent, along));
-            (along, slope.abs())
+            along.max(-longest).min(longest)
+        };
+        self.walk((from, state, first), true, near, along, |q, inverse, last| {
+            let (point, columns, exact) = self.settled(q, inverse);
+            let (at_bottom, certain) = self.is_nearest(&point.q, &columns, inverse);
+            (last || (exact && at_bottom)).then_some((point, certain))
         })
+    }
+
+    /// Whether the seed is across the curve from a point of it, and no point of any curve is nearer to the seed.
+    fn is_nearest(&self, q: &[S; N], columns: &[[S; 6]; N], inverse: &PseudoInverse<N, S>) -> (bool, bool) {
+        let mut left = *q;
+        add(&mut left, self.seed, -S::ONE);
+        let square = dot(&left, &left);
+        let mut multipliers = [S::ZERO; 6];
+        for _ in 0..2 {
+            let more = inverse.multipliers(&left);
+            let [fx, fy, fz, mx, my, mz] = more;
+            for (left, [vx, vy, vz, ax, ay, az]) in left.iter_mut().zip(columns) {
+                let force = *vx * fx + *vy * fy + *vz * fz;
+                *left -= force * self.per_reach + (*ax * mx + *ay * my + *az * mz);
+            }
+            multipliers.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+        }
+        // What is left of the offset costs its square over the room at most.
+        let inexact = dot(&left, &left);
+        let rounding = S::from_f64(ROUNDING) * S::EPSILON;
+        let most = S::from_f64(INEXACT) * square + rounding * rounding;
+        let room =
+            || Forces::new(columns, multipliers, self.per_reach).room(columns, self.dof, square.sqrt());
+        (inexact <= most, inverse.independent && inexact <= most && inexact <= most * room())
     }
 
     /// The point of the curve where a sum of joints has a value (rad or m), the nearest along the tangent, if it comes
@@ -189,103 +159,123 @@ where
         sum: impl Fn(&[S; N]) -> S,
         value: S,
         most: S,
-    ) -> Option<[S; N]> {
+    ) -> Option<Point<N, S>> {
         let most = most.max(travel(from, self.seed).sqrt());
-        self.walk(from, self.local(from), |q, local, longest| {
+        let state = (self.state)(from);
+        let first = self.local(&state);
+        let along = |q: &[S; N], _: &[[S; 6]; N], local: &Local<N, S>, longest: S| {
             if travel(q, self.seed).sqrt() > most + longest {
-                return (S::NAN, S::NAN);
+                return S::NAN;
             }
             let missing = value - sum(q) - sum(&local.correction);
-            let along = (missing / sum(&local.tangent)).max(-longest).min(longest);
-            (along, along.abs())
-        })
+            (missing / sum(&local.tangent)).max(-longest).min(longest)
+        };
+        // A move across the curve that `along` does not know of leads away from the value where that hardly changes along it.
+        let done = |q, _: &PseudoInverse<N, S>, _| Some(Point { q, tool: (self.state)(&q).0 });
+        self.walk((from, &state, first), false, S::SQRT_EPSILON, along, done)
     }
 
-    /// Moves joint values onto the curve and along it, as far as `along` says, until they are on it and what `along` says
-    /// is left to be done there is nothing.
-    fn walk(
+    /// Moves joint values onto the curve and along it, as far as `along` says of them, of the Jacobian, of the curve there,
+    /// and of the longest move, until they are on it and all moves together are as short as `near`. Then `done` is asked, with
+    /// what undoes the Jacobian before the last move, and whether there is nothing left to be moved. If `bent`, second
+    /// derivatives of the tool take part, as far as moves across the curve make up for them.
+    fn walk<T>(
         &self,
-        from: &[S; N],
-        first: Local<N, S>,
-        mut along: impl FnMut(&[S; N], &mut Local<N, S>, S) -> (S, S),
-    ) -> Option<[S; N]> {
+        (from, state, first): (&[S; N], &State<N, S>, Local<N, S>),
+        bent: bool,
+        mut near: S,
+        along: impl Fn(&[S; N], &[[S; 6]; N], &Local<N, S>, S) -> S,
+        done: impl Fn([S; N], &PseudoInverse<N, S>, bool) -> Option<T>,
+    ) -> Option<T> {
         let mut q = *from;
         let most = S::from_f64(LONGEST);
         let (mut longest, mut moved) = (most, S::ZERO);
-        let mut next = Some(first);
+        let mut local = first;
+        let mut state = *state;
         for _ in 0..MOVES {
-            let mut local = next.take().unwrap_or_else(|| self.local(&q));
             let aside = dot(&local.correction, &local.correction).sqrt();
             // Where the curve bends away from its tangent, shorter moves stay with it.
             let strays = moved > S::ZERO && aside > moved * S::from_f64(STRAYS);
             longest = if strays { longest / S::TWO } else { most.min(longest * S::from_f64(1.5)) };
-            let (along, left) = along(&q, &mut local, longest);
+            let along = along(&q, &state.1, &local, longest);
             moved = along.abs();
             let shorter = S::ONE.min(S::from_f64(LONGEST) / aside);
-            add(&mut q, &local.correction, if aside > S::ZERO { shorter } else { S::ONE });
-            add(&mut q, &local.tangent, along);
-            let missing = aside + left;
+            let mut step = local.correction;
+            if shorter < S::ONE {
+                for x in &mut step {
+                    *x *= shorter;
+                }
+            }
+            add(&mut step, &local.tangent, along);
+            add(&mut q, &step, S::ONE);
+            let missing = aside + moved;
             if !missing.is_finite() {
                 return None;
             }
-            if missing <= S::SQRT_EPSILON {
-                return Some(q);
+            // Second derivatives take part where they are small beside first ones.
+            if bent && shorter >= S::ONE {
+                let second = local.inverse.least(&self.second(&state.1, &step));
+                let size = missing * S::from_f64(STRAYS);
+                if dot(&second, &second) <= size * size {
+                    add(&mut q, &second, -S::ONE / S::TWO);
+                }
             }
+            if missing <= near {
+                let found = done(q, &local.inverse, missing <= S::SQRT_EPSILON);
+                if found.is_some() {
+                    return found;
+                }
+                near *= S::from_f64(SHORTER);
+            }
+            state = (self.state)(&q);
+            local = self.local(&state);
         }
         None
     }
-}
 
-/// Rows as a triangular matrix, whose diagonal is 1, times orthogonal rows, by modified Gram-Schmidt.
-struct Factors<const N: usize, S> {
-    rows: [[S; N]; 6],
-    /// One over the squares of their lengths; 0 where one vanishes.
-    inverses: [S; 6],
-    /// Below the diagonal.
-    triangle: [[S; 6]; 6],
-}
-
-impl<const N: usize, S: Float> Factors<N, S> {
-    /// Every row is taken out of all that follow at once: products that do not wait for each other.
-    #[inline]
-    fn of(mut rows: [[S; N]; 6]) -> Self {
-        let vanishing = S::from_f64(VANISHING * VANISHING);
-        let mut inverses = [S::ZERO; 6];
-        let mut triangle = [[S::ZERO; 6]; 6];
-        for (place, slot) in inverses.iter_mut().enumerate() {
-            let Some((row, rest)) = rows.get_mut(place..).and_then(<[_]>::split_first_mut) else { break };
-            let square = dot(row, row);
-            let inverse = if square > vanishing { S::ONE / square } else { S::ZERO };
-            *slot = inverse;
-            for (other, shares) in rest.iter_mut().zip(triangle.iter_mut().skip(place + 1)) {
-                let share = dot(other, row) * inverse;
-                add(other, row, -share);
-                if let Some(slot) = shares.get_mut(place) {
-                    *slot = share;
-                }
-            }
+    /// The tool frame's second derivative (reaches, rad) along a step.
+    fn second(&self, columns: &[[S; 6]; N], step: &[S; N]) -> [S; 6] {
+        let (mut turned, mut at, mut turns) = ([S::ZERO; 3], [S::ZERO; 3], [S::ZERO; 3]);
+        for ([vx, vy, vz, ax, ay, az], x) in columns.iter().zip(step) {
+            let moved = [*vx * *x, *vy * *x, *vz * *x];
+            let own = [*ax * *x, *ay * *x, *az * *x];
+            turns = plus(turns, cross(turned, own));
+            // Those before count twice, with this one and this one with them.
+            let before = turned;
+            turned = plus(turned, own);
+            at = plus(at, cross(plus(before, turned), moved));
         }
-        Self { rows, inverses, triangle }
+        let [px, py, pz] = at.map(|x| x * self.per_reach);
+        let [wx, wy, wz] = turns;
+        [px, py, pz, wx, wy, wz]
     }
-}
 
-/// In four sums, which do not wait for each other.
-fn dot<const N: usize, S: Float>(a: &[S; N], b: &[S; N]) -> S {
-    let (a, a_rest) = a.as_chunks::<4>();
-    let (b, b_rest) = b.as_chunks::<4>();
-    let mut sums = [S::ZERO; 4];
-    for ([a1, a2, a3, a4], [b1, b2, b3, b4]) in a.iter().zip(b) {
-        let [s1, s2, s3, s4] = sums;
-        sums = [s1 + *a1 * *b1, s2 + *a2 * *b2, s3 + *a3 * *b3, s4 + *a4 * *b4];
+    /// Joint values next to the curve, on it, by what undoes the Jacobian next to there; and the Jacobian, and whether only
+    /// rounding is left.
+    fn settled(&self, mut q: [S; N], inverse: &PseudoInverse<N, S>) -> (Point<N, S>, [[S; 6]; N], bool) {
+        let (mut tool, mut columns) = (self.state)(&q);
+        let mut error = self.error(&tool);
+        let mut square = dot(&error, &error);
+        let rounding = S::from_f64(ROUNDING) * S::EPSILON;
+        for _ in 0..AGAIN {
+            if square <= rounding * rounding {
+                break;
+            }
+            let back = inverse.least(&error);
+            // Where the Jacobian is next to singular, it is no longer that of here.
+            if dot(&back, &back) > S::from_f64(LAST * LAST) {
+                break;
+            }
+            let mut moved = q;
+            add(&mut moved, &back, S::ONE);
+            let next = (self.state)(&moved);
+            error = self.error(&next.0);
+            let before = core::mem::replace(&mut square, dot(&error, &error));
+            if square >= before {
+                break;
+            }
+            (q, (tool, columns)) = (moved, next);
+        }
+        (Point { q, tool }, columns, square <= rounding * rounding)
     }
-    for (sum, (a, b)) in sums.iter_mut().zip(a_rest.iter().zip(b_rest)) {
-        *sum += *a * *b;
-    }
-    let [s1, s2, s3, s4] = sums;
-    (s1 + s3) + (s2 + s4)
-}
-
-/// a += factor * b
-fn add<const N: usize, S: Float>(a: &mut [S; N], b: &[S; N], factor: S) {
-    a.iter_mut().zip(b).for_each(|(a, b)| *a += factor * *b);
 }

@@ -5,8 +5,9 @@
 //! distance. These are sampled, and from every solution at a sample that may have a nearer one on its stretch of curve
 //! the way goes downhill again. Where the bottom is outside limits, the curve is followed to them.
 
-use super::curve::Curve;
+use super::curve::{Curve, Point};
 use super::{Range, Redundancy, SAMPLES};
+use crate::frame::{norm, sub};
 use crate::selection::nearest_winding;
 use crate::solutions::travel;
 use crate::{Branch, Float, Frame, IkError, Limits, Rules, Solution, Solutions, Target, TargetKind};
@@ -99,13 +100,15 @@ impl<S: Float> Redundancy<'_, S> {
             return Err(IkError::WrongTarget { expected: TargetKind::Pose });
         };
         let at_seed = state(seed);
-        let (position_error, rotation_error) = target.errors(&at_seed.0);
         let exact = S::from_f64(EXACT) * S::EPSILON;
-        let hits = position_error <= exact * self.reach && rotation_error <= exact;
+        let close = norm(sub(at_seed.0.translation, pose.translation)) <= exact * self.reach;
+        let errors = close.then(|| target.errors(&at_seed.0)).filter(|errors| errors.1 <= exact);
         // Where the tool is at the pose, so is the point that rules ask for.
         let allowed =
             || self.rules.allow_joints(seed) && self.rules.broken_workspace(position_of(seed)).is_none();
-        if hits && allowed() {
+        if let Some((position_error, rotation_error)) = errors
+            && allowed()
+        {
             let branch = Branch::UNKNOWN;
             return Ok(Solution { q: *seed, position_error, rotation_error, free: None, branch });
         }
@@ -126,8 +129,8 @@ impl<S: Float> Redundancy<'_, S> {
             refusal: None,
         };
         let own = seed.get(self.joint).copied().unwrap_or(S::ZERO);
-        let first = search.curve.local_of(&at_seed);
-        if let Some(bottom) = search.curve.nearest_point(seed, first) {
+        let first = search.curve.local(&at_seed);
+        if let Some(bottom) = search.curve.nearest_point(seed, &at_seed, first) {
             search.bottom(seed, &bottom, false);
         }
         if !search.certain {
@@ -242,7 +245,8 @@ where
         if distance - half - S::from_f64(TURNING) * half.sqrt() >= self.distance() {
             return;
         }
-        let local = self.curve.local(&q);
+        let state = (self.curve.state)(&q);
+        let local = self.curve.local(&state);
         let share = local.tangent.get(self.joint).map_or(S::ONE, |x| x.abs());
         let length = (half / share).min(half + S::from_f64(TURNING) * half.sqrt());
         if distance - S::from_f64(BENT) * length >= self.distance() {
@@ -250,7 +254,7 @@ where
         }
         if self.leads_back(&q, &local.tangent) {
             self.returned = true;
-        } else if let Some(bottom) = self.curve.nearest_point(&q, local) {
+        } else if let Some(bottom) = self.curve.nearest_point(&q, &state, local) {
             self.bottom(&q, &bottom, true);
         }
     }
@@ -273,8 +277,9 @@ where
     }
 
     /// The bottom of the curve downhill from somewhere; where it isn't allowed, the ends of what is.
-    fn bottom(&mut self, from: &[S; N], bottom: &[S; N], on_curve: bool) {
-        if self.consider(bottom, true) {
+    fn bottom(&mut self, from: &[S; N], (point, certain): &(Point<N, S>, bool), on_curve: bool) {
+        let bottom = &point.q;
+        if self.consider(point, *certain) {
             self.returned |= remember(&mut self.bottoms, bottom);
             return;
         }
@@ -313,15 +318,14 @@ where
         }
     }
 
-    /// Takes joint values on the curve, maybe a bottom of it, for the best where they are; whether they are allowed.
-    fn consider(&mut self, q: &[S; N], bottom: bool) -> bool {
+    /// Takes a point of the curve for the best where it is; whether it is allowed. It may be certain that none is nearer.
+    fn consider(&mut self, Point { q, tool }: &Point<N, S>, certain: bool) -> bool {
         if !self.rules.allow_joints(q) {
             return false;
         }
         let distance = travel(q, self.curve.seed).sqrt();
         if distance < self.distance() {
-            let state = (self.curve.state)(q);
-            let (position_error, rotation_error) = self.target.errors(&state.0);
+            let (position_error, rotation_error) = self.target.errors(tool);
             let tolerance = crate::residual_tolerance::<S>();
             if position_error * self.curve.per_reach > tolerance || rotation_error > tolerance {
                 return false;
@@ -329,7 +333,7 @@ where
             let branch = Branch::UNKNOWN;
             let solution = Solution { q: *q, position_error, rotation_error, free: None, branch };
             self.best = Some((solution, distance));
-            self.certain = bottom && self.curve.is_nearest(q, &state, distance);
+            self.certain = certain;
         }
         true
     }
