@@ -230,17 +230,15 @@ pub(crate) fn transpose<S: Float>(m: &[[S; 3]; 3]) -> [[S; 3]; 3] {
 
 /// The turn from one orientation to another: its axis, as long as the sine of its angle, and the trace of its matrix, which
 /// is 1 and twice the cosine.
+#[inline]
 pub(crate) fn turn<S: Float>(from: &[[S; 3]; 3], to: &[[S; 3]; 3]) -> ([S; 3], S) {
     let [[ax, bx, cx], [ay, by, cy], [az, bz, cz]] = *from;
     let [[dx, ex, fx], [dy, ey, fy], [dz, ez, fz]] = *to;
-    let columns = [([ax, ay, az], [dx, dy, dz]), ([bx, by, bz], [ex, ey, ez]), ([cx, cy, cz], [fx, fy, fz])];
-    let (mut sum, mut trace) = ([S::ZERO; 3], S::ZERO);
-    for (own, wanted) in columns {
-        sum.iter_mut().zip(cross(own, wanted)).for_each(|(sum, part)| *sum += part);
-        trace += dot(own, wanted);
-    }
+    let [a, b, c] = [[ax, ay, az], [bx, by, bz], [cx, cy, cz]];
+    let [d, e, f] = [[dx, dy, dz], [ex, ey, ez], [fx, fy, fz]];
+    let [x, y, z] = add(add(cross(a, d), cross(b, e)), cross(c, f));
     let half = S::ONE / S::TWO;
-    (sum.map(|x| x * half), trace)
+    ([x * half, y * half, z * half], dot(a, d) + dot(b, e) + dot(c, f))
 }
 
 pub(crate) fn matrix_vector<S: Float>(m: &[[S; 3]; 3], v: [S; 3]) -> [S; 3] {

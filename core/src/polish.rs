@@ -133,11 +133,16 @@ impl<const N: usize, T, S: Float> State<N, T, S> {
 
 /// The axis of the turn from one orientation to another, as long as the sine of its angle; for more than a quarter turn
 /// as long as 2 minus that, so that half a turn does not look like none.
+#[inline]
 pub(crate) fn turn<S: Float>(from: &Frame<S>, to: &Frame<S>) -> [S; 3] {
     let (sine_axis, trace) = crate::frame::turn(&from.rotation, &to.rotation);
-    if trace >= S::ONE {
-        return sine_axis;
-    }
+    if trace >= S::ONE { sine_axis } else { far_turn(sine_axis) }
+}
+
+/// Of more than a quarter turn.
+#[cold]
+#[inline(never)]
+fn far_turn<S: Float>(sine_axis: [S; 3]) -> [S; 3] {
     let sine = norm(sine_axis);
     // At exactly half a turn the axis is not in the antisymmetric part; any other error may then lead on.
     let longer = if sine > S::ZERO { (S::TWO - sine) / sine } else { S::ONE };

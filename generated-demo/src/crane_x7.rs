@@ -490,12 +490,8 @@ impl CraneX7 {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn forward_kinematics(q: &[f64; 7]) -> Frame {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s3, c3) = Float::sin_cos(q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s3, c3), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[2], q[3], q[4], q[5]]);
     let (s7, c7) = Float::sin_cos(q[6]);
     let t1 = c2 * c1;
     let t2 = c3 * t1 - s3 * s1;
@@ -548,12 +544,8 @@ fn forward_kinematics(q: &[f64; 7]) -> Frame {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn flange_pose(q: &[f64; 7]) -> Frame {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s3, c3) = Float::sin_cos(q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s3, c3), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[2], q[3], q[4], q[5]]);
     let (s7, c7) = Float::sin_cos(q[6]);
     let t1 = c2 * c1;
     let t2 = c3 * t1 - s3 * s1;
@@ -606,12 +598,8 @@ fn flange_pose(q: &[f64; 7]) -> Frame {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn geometric_jacobian(q: &[f64; 7]) -> [[f64; 6]; 7] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s3, c3) = Float::sin_cos(q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s3, c3), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[2], q[3], q[4], q[5]]);
     let nx5 = TOOL_Z * s6;
     let nx4 = nx5 * c5;
     let y5 = TOOL_Z * c6;
@@ -695,12 +683,8 @@ fn geometric_jacobian(q: &[f64; 7]) -> [[f64; 6]; 7] {
 )]
 #[inline]
 fn pose_and_jacobian(q: &[f64; 7]) -> (Frame, [[f64; 6]; 7]) {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s3, c3) = Float::sin_cos(q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s3, c3), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[2], q[3], q[4], q[5]]);
     let (s7, c7) = Float::sin_cos(q[6]);
     let t1 = c2 * c1;
     let t2 = c3 * t1 - s3 * s1;
@@ -801,12 +785,8 @@ fn pose_and_jacobian(q: &[f64; 7]) -> (Frame, [[f64; 6]; 7]) {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn row_frames(q: &[f64; 7]) -> [Frame; 8] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s3, c3) = Float::sin_cos(q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s3, c3), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[2], q[3], q[4], q[5]]);
     let (s7, c7) = Float::sin_cos(q[6]);
     let t1 = c1 * c2;
     let t2 = c1 * s2;
@@ -908,7 +888,7 @@ fn solve_pose(
     let [q3] = *free;
     let unknowns = |q: &[f64; 7]| [q[3], q[0], q[1], q[5], q[4], q[6]];
     let wanted = Wanted::of(seed, unknowns)?;
-    let mut search = Search::about(REACH, &WINDINGS, &wanted);
+    let mut search = Search::about(REACH, &WINDINGS, &wanted).with_given(&[2]);
     let (s3, c3) = Float::sin_cos(q3);
     let pz0 = pz - TOOL_Z * r33;
     let px0 = px - TOOL_Z * r13;

@@ -263,14 +263,11 @@ impl CRX10iAL {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn forward_kinematics(q: &[f64; 6]) -> Frame {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (c2, ns2) = Float::sin_cos(q[1]);
+    let [(s1, c1), (c2, ns2)] = Float::sin_cos_all([q[0], q[1]]);
     let s2 = -ns2;
     let (c23, ns23) = Float::sin_cos(-q[2]);
     let s23 = -ns23;
-    let (s4, c4) = Float::sin_cos(-q[3]);
-    let (s5, c5) = Float::sin_cos(-q[4]);
-    let (s6, c6) = Float::sin_cos(-q[5]);
+    let [(s4, c4), (s5, c5), (s6, c6)] = Float::sin_cos_all([-q[3], -q[4], -q[5]]);
     let t1 = c23 * c1;
     let t2 = s4 * t1 - c4 * s1;
     let t3 = c4 * t1 + s4 * s1;
@@ -311,13 +308,11 @@ fn forward_kinematics(q: &[f64; 6]) -> Frame {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (c2, ns2) = Float::sin_cos(q[1]);
+    let [(s1, c1), (c2, ns2)] = Float::sin_cos_all([q[0], q[1]]);
     let s2 = -ns2;
     let (c23, ns23) = Float::sin_cos(-q[2]);
     let s23 = -ns23;
-    let (s4, c4) = Float::sin_cos(-q[3]);
-    let (s5, c5) = Float::sin_cos(-q[4]);
+    let [(s4, c4), (s5, c5)] = Float::sin_cos_all([-q[3], -q[4]]);
     let nx4 = D6 * s5;
     let nx3 = nx4 * c4 - D5 * s4;
     let y4 = D6 * c5;
@@ -369,14 +364,11 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (c2, ns2) = Float::sin_cos(q[1]);
+    let [(s1, c1), (c2, ns2)] = Float::sin_cos_all([q[0], q[1]]);
     let s2 = -ns2;
     let (c23, ns23) = Float::sin_cos(-q[2]);
     let s23 = -ns23;
-    let (s4, c4) = Float::sin_cos(-q[3]);
-    let (s5, c5) = Float::sin_cos(-q[4]);
-    let (s6, c6) = Float::sin_cos(-q[5]);
+    let [(s4, c4), (s5, c5), (s6, c6)] = Float::sin_cos_all([-q[3], -q[4], -q[5]]);
     let t1 = c23 * c1;
     let t2 = s4 * t1 - c4 * s1;
     let t3 = c4 * t1 + s4 * s1;
@@ -459,14 +451,11 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn row_frames(q: &[f64; 6]) -> [Frame; 7] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (c2, ns2) = Float::sin_cos(q[1]);
+    let [(s1, c1), (c2, ns2)] = Float::sin_cos_all([q[0], q[1]]);
     let s2 = -ns2;
     let (c23, ns23) = Float::sin_cos(-q[2]);
     let s23 = -ns23;
-    let (s4, c4) = Float::sin_cos(-q[3]);
-    let (s5, c5) = Float::sin_cos(-q[4]);
-    let (s6, c6) = Float::sin_cos(-q[5]);
+    let [(s4, c4), (s5, c5), (s6, c6)] = Float::sin_cos_all([-q[3], -q[4], -q[5]]);
     let t1 = c1 * c2;
     let t2 = s1 * c2;
     let t3 = A2 * s2;

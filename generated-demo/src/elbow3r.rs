@@ -412,9 +412,7 @@ impl Elbow3R {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn forward_kinematics(q: &[f64; 3]) -> Frame {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
+    let [(s1, c1), (s2, c2), (s23, c23)] = Float::sin_cos_all([q[0], q[1], q[1] + q[2]]);
     let r11 = c23 * c1;
     let nr12 = s23 * c1;
     let x1_2 = A3 * c23;
@@ -436,9 +434,7 @@ fn forward_kinematics(q: &[f64; 3]) -> Frame {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn geometric_jacobian(q: &[f64; 3]) -> [[f64; 6]; 3] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
+    let [(s1, c1), (s2, c2), (s23, c23)] = Float::sin_cos_all([q[0], q[1], q[1] + q[2]]);
     let x1_2 = A3 * c23;
     let x1 = x1_2 + A2 * c2;
     let py = x1 * s1;
@@ -456,9 +452,7 @@ fn geometric_jacobian(q: &[f64; 3]) -> [[f64; 6]; 3] {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn pose_and_jacobian(q: &[f64; 3]) -> (Frame, [[f64; 6]; 3]) {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
+    let [(s1, c1), (s2, c2), (s23, c23)] = Float::sin_cos_all([q[0], q[1], q[1] + q[2]]);
     let r11 = c23 * c1;
     let nr12 = s23 * c1;
     let x1_2 = A3 * c23;
@@ -487,9 +481,7 @@ fn pose_and_jacobian(q: &[f64; 3]) -> (Frame, [[f64; 6]; 3]) {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn row_frames(q: &[f64; 3]) -> [Frame; 4] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
+    let [(s1, c1), (s2, c2), (s23, c23)] = Float::sin_cos_all([q[0], q[1], q[1] + q[2]]);
     let t1 = c1 * c2;
     let t2 = s1 * c2;
     let t3 = A2 * s2 + D1;

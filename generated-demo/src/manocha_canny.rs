@@ -269,12 +269,8 @@ impl ManochaCanny6R {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn forward_kinematics(q: &[f64; 6]) -> Frame {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s3, c3) = Float::sin_cos(q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s3, c3), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[2], q[3], q[4], q[5]]);
     let t1 = c2 * c1;
     let t2 = s2 * c1;
     let t3 = CALPHA2 * t2 - SALPHA2 * s1;
@@ -334,11 +330,8 @@ fn forward_kinematics(q: &[f64; 6]) -> Frame {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s3, c3) = Float::sin_cos(q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
+    let [(s1, c1), (s2, c2), (s3, c3), (s4, c4), (s5, c5)] =
+        Float::sin_cos_all([q[0], q[1], q[2], q[3], q[4]]);
     let x3 = A4 * c4;
     let x2 = x3 * c3;
     let t1 = x2 + A2;
@@ -417,12 +410,8 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
 )]
 #[inline]
 fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s3, c3) = Float::sin_cos(q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s3, c3), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[2], q[3], q[4], q[5]]);
     let t1 = c2 * c1;
     let t2 = s2 * c1;
     let t3 = CALPHA2 * t2 - SALPHA2 * s1;
@@ -523,12 +512,8 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
 )]
 #[inline]
 fn row_frames(q: &[f64; 6]) -> [Frame; 7] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s3, c3) = Float::sin_cos(q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s3, c3), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[2], q[3], q[4], q[5]]);
     let t1 = A1 * c1;
     let t2 = A1 * s1;
     let t3 = c1 * c2;

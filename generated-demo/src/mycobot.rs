@@ -459,8 +459,7 @@ impl MyCobot280Pi {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn forward_kinematics(q: &[f64; 6]) -> Frame {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (nc2, s2) = Float::sin_cos(q[1]);
+    let [(s1, c1), (nc2, s2)] = Float::sin_cos_all([q[0], q[1]]);
     let c2 = -nc2;
     let (nc23, s23) = Float::sin_cos(q[1] + q[2]);
     let c23 = -nc23;
@@ -512,8 +511,7 @@ fn forward_kinematics(q: &[f64; 6]) -> Frame {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (nc2, s2) = Float::sin_cos(q[1]);
+    let [(s1, c1), (nc2, s2)] = Float::sin_cos_all([q[0], q[1]]);
     let c2 = -nc2;
     let (nc23, s23) = Float::sin_cos(q[1] + q[2]);
     let c23 = -nc23;
@@ -559,8 +557,7 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (nc2, s2) = Float::sin_cos(q[1]);
+    let [(s1, c1), (nc2, s2)] = Float::sin_cos_all([q[0], q[1]]);
     let c2 = -nc2;
     let (nc23, s23) = Float::sin_cos(q[1] + q[2]);
     let c23 = -nc23;
@@ -630,8 +627,7 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn row_frames(q: &[f64; 6]) -> [Frame; 7] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (nc2, s2) = Float::sin_cos(q[1]);
+    let [(s1, c1), (nc2, s2)] = Float::sin_cos_all([q[0], q[1]]);
     let c2 = -nc2;
     let (nc23, s23) = Float::sin_cos(q[1] + q[2]);
     let c23 = -nc23;

@@ -445,12 +445,8 @@ impl Panda {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn forward_kinematics(q: &[f64; 7]) -> Frame {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s3, c3) = Float::sin_cos(q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s3, c3), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[2], q[3], q[4], q[5]]);
     let (s7, c7) = Float::sin_cos(q[6]);
     let t1 = c2 * c1;
     let t2 = c3 * t1 - s3 * s1;
@@ -499,12 +495,8 @@ fn forward_kinematics(q: &[f64; 7]) -> Frame {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn geometric_jacobian(q: &[f64; 7]) -> [[f64; 6]; 7] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s3, c3) = Float::sin_cos(q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s3, c3), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[2], q[3], q[4], q[5]]);
     let x5 = A7 * c6 + D7 * s6;
     let x4 = x5 * c5;
     let t1 = x4 + A5;
@@ -583,12 +575,8 @@ fn geometric_jacobian(q: &[f64; 7]) -> [[f64; 6]; 7] {
 )]
 #[inline]
 fn pose_and_jacobian(q: &[f64; 7]) -> (Frame, [[f64; 6]; 7]) {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s3, c3) = Float::sin_cos(q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s3, c3), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[2], q[3], q[4], q[5]]);
     let (s7, c7) = Float::sin_cos(q[6]);
     let t1 = c2 * c1;
     let t2 = c3 * t1 - s3 * s1;
@@ -695,12 +683,8 @@ fn pose_and_jacobian(q: &[f64; 7]) -> (Frame, [[f64; 6]; 7]) {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn row_frames(q: &[f64; 7]) -> [Frame; 8] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s3, c3) = Float::sin_cos(q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s3, c3), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[2], q[3], q[4], q[5]]);
     let (s7, c7) = Float::sin_cos(q[6]);
     let t1 = c1 * c2;
     let t2 = c1 * s2;
@@ -809,7 +793,7 @@ fn solve_pose(
     let [q7] = *free;
     let unknowns = |q: &[f64; 7]| [q[3], q[5], q[4], q[1], q[2], q[0]];
     let wanted = Wanted::of(seed, unknowns)?;
-    let mut search = Search::about(REACH, &WINDINGS, &wanted);
+    let mut search = Search::about(REACH, &WINDINGS, &wanted).with_given(&[6]);
     let (s7, c7) = Float::sin_cos(q7);
     let t1 = pz - D7 * r33 - D1;
     let t2 = px - D7 * r13;

@@ -460,8 +460,7 @@ impl Planar2R {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn forward_kinematics(q: &[f64; 2]) -> Frame {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s12, c12) = Float::sin_cos(q[0] + q[1]);
+    let [(s1, c1), (s12, c12)] = Float::sin_cos_all([q[0], q[0] + q[1]]);
     let px = A2 * c12 + A1 * c1;
     let py = A2 * s12 + A1 * s1;
     Frame {
@@ -474,8 +473,7 @@ fn forward_kinematics(q: &[f64; 2]) -> Frame {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn geometric_jacobian(q: &[f64; 2]) -> [[f64; 6]; 2] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s12, c12) = Float::sin_cos(q[0] + q[1]);
+    let [(s1, c1), (s12, c12)] = Float::sin_cos_all([q[0], q[0] + q[1]]);
     let t1 = A2 * s12;
     let py = t1 + A1 * s1;
     let t2 = A2 * c12;
@@ -487,8 +485,7 @@ fn geometric_jacobian(q: &[f64; 2]) -> [[f64; 6]; 2] {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn pose_and_jacobian(q: &[f64; 2]) -> (Frame, [[f64; 6]; 2]) {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s12, c12) = Float::sin_cos(q[0] + q[1]);
+    let [(s1, c1), (s12, c12)] = Float::sin_cos_all([q[0], q[0] + q[1]]);
     let t1 = A2 * c12;
     let px = t1 + A1 * c1;
     let t2 = A2 * s12;
@@ -506,8 +503,7 @@ fn pose_and_jacobian(q: &[f64; 2]) -> (Frame, [[f64; 6]; 2]) {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn row_frames(q: &[f64; 2]) -> [Frame; 3] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s12, c12) = Float::sin_cos(q[0] + q[1]);
+    let [(s1, c1), (s12, c12)] = Float::sin_cos_all([q[0], q[0] + q[1]]);
     let t1 = A1 * c1;
     let t2 = A1 * s1;
     [

@@ -390,12 +390,8 @@ impl Puma560 {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn forward_kinematics(q: &[f64; 6]) -> Frame {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s23, c23), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[1] + q[2], q[3], q[4], q[5]]);
     let r11_4 = c6 * c5;
     let r11_3 = r11_4 * c4 - s6 * s4;
     let r21_4 = c6 * s5;
@@ -439,11 +435,8 @@ fn forward_kinematics(q: &[f64; 6]) -> Frame {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
+    let [(s1, c1), (s2, c2), (s23, c23), (s4, c4), (s5, c5)] =
+        Float::sin_cos_all([q[0], q[1], q[1] + q[2], q[3], q[4]]);
     let x1_2 = A3 * c23 - D4 * s23;
     let x1 = x1_2 + A2 * c2;
     let py = x1 * s1 - D3 * c1;
@@ -478,12 +471,8 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s23, c23), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[1] + q[2], q[3], q[4], q[5]]);
     let r11_4 = c6 * c5;
     let r11_3 = r11_4 * c4 - s6 * s4;
     let r21_4 = c6 * s5;
@@ -545,12 +534,8 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn row_frames(q: &[f64; 6]) -> [Frame; 7] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s23, c23), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[1] + q[2], q[3], q[4], q[5]]);
     let t1 = c1 * c2;
     let t2 = s1 * c2;
     let t3 = A2 * s2 + D1;

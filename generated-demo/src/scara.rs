@@ -362,9 +362,8 @@ impl Cobra600 {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn forward_kinematics(q: &[f64; 4]) -> Frame {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s12, c12) = Float::sin_cos(q[0] + q[1]);
-    let (s12m4, c12m4) = Float::sin_cos(q[0] + q[1] - q[3]);
+    let [(s1, c1), (s12, c12), (s12m4, c12m4)] =
+        Float::sin_cos_all([q[0], q[0] + q[1], q[0] + q[1] - q[3]]);
     let d3 = q[2];
     let px = A2 * c12 + A1 * c1;
     let py = A2 * s12 + A1 * s1;
@@ -379,8 +378,7 @@ fn forward_kinematics(q: &[f64; 4]) -> Frame {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn geometric_jacobian(q: &[f64; 4]) -> [[f64; 6]; 4] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s12, c12) = Float::sin_cos(q[0] + q[1]);
+    let [(s1, c1), (s12, c12)] = Float::sin_cos_all([q[0], q[0] + q[1]]);
     let t1 = A2 * s12;
     let py = t1 + A1 * s1;
     let t2 = A2 * c12;
@@ -397,9 +395,8 @@ fn geometric_jacobian(q: &[f64; 4]) -> [[f64; 6]; 4] {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn pose_and_jacobian(q: &[f64; 4]) -> (Frame, [[f64; 6]; 4]) {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s12, c12) = Float::sin_cos(q[0] + q[1]);
-    let (s12m4, c12m4) = Float::sin_cos(q[0] + q[1] - q[3]);
+    let [(s1, c1), (s12, c12), (s12m4, c12m4)] =
+        Float::sin_cos_all([q[0], q[0] + q[1], q[0] + q[1] - q[3]]);
     let d3 = q[2];
     let t1 = A2 * c12;
     let px = t1 + A1 * c1;
@@ -424,9 +421,8 @@ fn pose_and_jacobian(q: &[f64; 4]) -> (Frame, [[f64; 6]; 4]) {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn row_frames(q: &[f64; 4]) -> [Frame; 5] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s12, c12) = Float::sin_cos(q[0] + q[1]);
-    let (s12m4, c12m4) = Float::sin_cos(q[0] + q[1] - q[3]);
+    let [(s1, c1), (s12, c12), (s12m4, c12m4)] =
+        Float::sin_cos_all([q[0], q[0] + q[1], q[0] + q[1] - q[3]]);
     let d3 = q[2];
     let t1 = A1 * c1;
     let t2 = A1 * s1;

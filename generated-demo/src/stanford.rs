@@ -288,12 +288,9 @@ impl StanfordArm {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn forward_kinematics(q: &[f64; 6]) -> Frame {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (c4, ns4) = Float::sin_cos(q[3]);
+    let [(s1, c1), (s2, c2), (c4, ns4)] = Float::sin_cos_all([q[0], q[1], q[3]]);
     let s4 = -ns4;
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s5, c5), (s6, c6)] = Float::sin_cos_all([q[4], q[5]]);
     let d3 = q[2];
     let t1 = c2 * c1;
     let t2 = s4 * t1 + c4 * s1;
@@ -330,12 +327,9 @@ fn forward_kinematics(q: &[f64; 6]) -> Frame {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn flange_pose(q: &[f64; 6]) -> Frame {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (c4, ns4) = Float::sin_cos(q[3]);
+    let [(s1, c1), (s2, c2), (c4, ns4)] = Float::sin_cos_all([q[0], q[1], q[3]]);
     let s4 = -ns4;
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s5, c5), (s6, c6)] = Float::sin_cos_all([q[4], q[5]]);
     let d3 = q[2];
     let t1 = c2 * c1;
     let t2 = s4 * t1 + c4 * s1;
@@ -373,9 +367,7 @@ fn flange_pose(q: &[f64; 6]) -> Frame {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (c4, ns4) = Float::sin_cos(q[3]);
+    let [(s1, c1), (s2, c2), (c4, ns4)] = Float::sin_cos_all([q[0], q[1], q[3]]);
     let s4 = -ns4;
     let (s5, c5) = Float::sin_cos(q[4]);
     let d3 = q[2];
@@ -420,12 +412,9 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (c4, ns4) = Float::sin_cos(q[3]);
+    let [(s1, c1), (s2, c2), (c4, ns4)] = Float::sin_cos_all([q[0], q[1], q[3]]);
     let s4 = -ns4;
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s5, c5), (s6, c6)] = Float::sin_cos_all([q[4], q[5]]);
     let d3 = q[2];
     let t1 = c2 * c1;
     let t2 = s4 * t1 + c4 * s1;
@@ -484,12 +473,9 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn row_frames(q: &[f64; 6]) -> [Frame; 7] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (c4, ns4) = Float::sin_cos(q[3]);
+    let [(s1, c1), (s2, c2), (c4, ns4)] = Float::sin_cos_all([q[0], q[1], q[3]]);
     let s4 = -ns4;
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s5, c5), (s6, c6)] = Float::sin_cos_all([q[4], q[5]]);
     let d3 = q[2];
     let t1 = c1 * c2;
     let t2 = c1 * s2;

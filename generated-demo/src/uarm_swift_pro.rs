@@ -369,9 +369,7 @@ impl UArmSwiftPro {
 fn forward_kinematics(q: &[f64; 4]) -> Frame {
     let (c1, ns1) = Float::sin_cos(q[0]);
     let s1 = -ns1;
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(-q[2]);
-    let (c5, ns5) = Float::sin_cos(q[3]);
+    let [(s2, c2), (s23, c23), (c5, ns5)] = Float::sin_cos_all([q[1], -q[2], q[3]]);
     let s5 = -ns5;
     let r11 = c5 * c1 + s5 * s1;
     let r12 = c5 * s1 - s5 * c1;
@@ -395,8 +393,7 @@ fn forward_kinematics(q: &[f64; 4]) -> Frame {
 fn geometric_jacobian(q: &[f64; 4]) -> [[f64; 6]; 4] {
     let (c1, ns1) = Float::sin_cos(q[0]);
     let s1 = -ns1;
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(-q[2]);
+    let [(s2, c2), (s23, c23)] = Float::sin_cos_all([q[1], -q[2]]);
     let x1_2 = A3 * c23 + A4;
     let x1 = x1_2 + A2 * c2;
     let t1 = x1 + A1;
@@ -420,9 +417,7 @@ fn geometric_jacobian(q: &[f64; 4]) -> [[f64; 6]; 4] {
 fn pose_and_jacobian(q: &[f64; 4]) -> (Frame, [[f64; 6]; 4]) {
     let (c1, ns1) = Float::sin_cos(q[0]);
     let s1 = -ns1;
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(-q[2]);
-    let (c5, ns5) = Float::sin_cos(q[3]);
+    let [(s2, c2), (s23, c23), (c5, ns5)] = Float::sin_cos_all([q[1], -q[2], q[3]]);
     let s5 = -ns5;
     let r11 = c5 * c1 + s5 * s1;
     let r12 = c5 * s1 - s5 * c1;
@@ -456,9 +451,7 @@ fn pose_and_jacobian(q: &[f64; 4]) -> (Frame, [[f64; 6]; 4]) {
 fn row_frames(q: &[f64; 4]) -> [Frame; 6] {
     let (c1, ns1) = Float::sin_cos(q[0]);
     let s1 = -ns1;
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(-q[2]);
-    let (c5, ns5) = Float::sin_cos(q[3]);
+    let [(s2, c2), (s23, c23), (c5, ns5)] = Float::sin_cos_all([q[1], -q[2], q[3]]);
     let s5 = -ns5;
     let t1 = A1 * c1;
     let t2 = A1 * s1;

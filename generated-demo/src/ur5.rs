@@ -387,12 +387,8 @@ impl UR5 {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn forward_kinematics(q: &[f64; 6]) -> Frame {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
-    let (s234, c234) = Float::sin_cos(q[1] + q[2] + q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s23, c23), (s234, c234), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[1] + q[2], q[1] + q[2] + q[3], q[4], q[5]]);
     let r11_4 = c6 * c5;
     let r11_1 = r11_4 * c234 - s6 * s234;
     let r21_4 = c6 * s5;
@@ -435,11 +431,8 @@ fn forward_kinematics(q: &[f64; 6]) -> Frame {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
-    let (s234, c234) = Float::sin_cos(q[1] + q[2] + q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
+    let [(s1, c1), (s2, c2), (s23, c23), (s234, c234), (s5, c5)] =
+        Float::sin_cos_all([q[0], q[1], q[1] + q[2], q[1] + q[2] + q[3], q[4]]);
     let nx4 = D6 * s5;
     let nx1_3 = nx4 * c234 - D5 * s234;
     let nx1_2 = nx1_3 - A3 * c23;
@@ -477,12 +470,8 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
-    let (s234, c234) = Float::sin_cos(q[1] + q[2] + q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s23, c23), (s234, c234), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[1] + q[2], q[1] + q[2] + q[3], q[4], q[5]]);
     let r11_4 = c6 * c5;
     let r11_1 = r11_4 * c234 - s6 * s234;
     let r21_4 = c6 * s5;
@@ -543,12 +532,8 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
 #[allow(clippy::similar_names, reason = "the names are those of the equations")]
 #[inline]
 fn row_frames(q: &[f64; 6]) -> [Frame; 7] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s2, c2) = Float::sin_cos(q[1]);
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
-    let (s234, c234) = Float::sin_cos(q[1] + q[2] + q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s1, c1), (s2, c2), (s23, c23), (s234, c234), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[0], q[1], q[1] + q[2], q[1] + q[2] + q[3], q[4], q[5]]);
     let t1 = c1 * c2;
     let t2 = s1 * c2;
     let t3 = A2 * s2;

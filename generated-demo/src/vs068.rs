@@ -404,10 +404,8 @@ fn forward_kinematics(q: &[f64; 6]) -> Frame {
     let s1 = -ns1;
     let (c2, ns2) = Float::sin_cos(q[1]);
     let s2 = -ns2;
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s23, c23), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[1] + q[2], q[3], q[4], q[5]]);
     let t1 = c23 * c1;
     let t2 = s4 * t1 + c4 * s1;
     let t3 = c4 * t1 - s4 * s1;
@@ -448,10 +446,8 @@ fn flange_pose(q: &[f64; 6]) -> Frame {
     let s1 = -ns1;
     let (c2, ns2) = Float::sin_cos(q[1]);
     let s2 = -ns2;
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s23, c23), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[1] + q[2], q[3], q[4], q[5]]);
     let r11_4 = c6 * c5;
     let r11_3 = r11_4 * c4 - s6 * s4;
     let r21_4 = c6 * s5;
@@ -500,9 +496,7 @@ fn geometric_jacobian(q: &[f64; 6]) -> [[f64; 6]; 6] {
     let s1 = -ns1;
     let (c2, ns2) = Float::sin_cos(q[1]);
     let s2 = -ns2;
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
+    let [(s23, c23), (s4, c4), (s5, c5)] = Float::sin_cos_all([q[1] + q[2], q[3], q[4]]);
     let x4 = TOOL_Z * s5;
     let x3 = x4 * c4;
     let ny4 = TOOL_Z * c5;
@@ -557,10 +551,8 @@ fn pose_and_jacobian(q: &[f64; 6]) -> (Frame, [[f64; 6]; 6]) {
     let s1 = -ns1;
     let (c2, ns2) = Float::sin_cos(q[1]);
     let s2 = -ns2;
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s23, c23), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[1] + q[2], q[3], q[4], q[5]]);
     let t1 = c23 * c1;
     let t2 = s4 * t1 + c4 * s1;
     let t3 = c4 * t1 - s4 * s1;
@@ -643,10 +635,8 @@ fn row_frames(q: &[f64; 6]) -> [Frame; 7] {
     let s1 = -ns1;
     let (c2, ns2) = Float::sin_cos(q[1]);
     let s2 = -ns2;
-    let (s23, c23) = Float::sin_cos(q[1] + q[2]);
-    let (s4, c4) = Float::sin_cos(q[3]);
-    let (s5, c5) = Float::sin_cos(q[4]);
-    let (s6, c6) = Float::sin_cos(q[5]);
+    let [(s23, c23), (s4, c4), (s5, c5), (s6, c6)] =
+        Float::sin_cos_all([q[1] + q[2], q[3], q[4], q[5]]);
     let t1 = A1 * c1;
     let t2 = A1 * s1;
     let t3 = c1 * c2;

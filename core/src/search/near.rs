@@ -7,6 +7,7 @@
 //! what would make two roots one, or no root of one, solutions are looked for along the curve on which the tool hardly moves
 //! ([`curve`]); where that is not enough, by the general chain and at poses all around the target ([`seek`]).
 
+mod blocks;
 mod cubic;
 mod curve;
 mod newton;
@@ -16,7 +17,7 @@ mod steps;
 
 use super::{Roots, Search};
 use crate::branch::bit_of;
-use crate::frame::{norm, sub};
+use crate::frame::{dot, norm, sub};
 use crate::{
     Branch, Float, Frame, GeneralArm, IkError, Polished, Solution, Solutions, Winding, rotation_error,
 };
@@ -137,6 +138,10 @@ const UNSURE: f64 = 0.5;
 /// Determinants (reaches, rad) of so many times what the arm is off by may belong to several solutions near to each other.
 const SINGULAR: f64 = 0.25;
 
+/// From a solution of which the determinant is smaller, others that belong to no root of their own are no farther along its curve
+/// than this (rad, reaches).
+const NEIGHBOURS: f64 = 1.0;
+
 /// A first step of Newton's method (rad, reaches) that is longer than this may have left its solution for another.
 const SHORT: f64 = 0.2;
 
@@ -202,6 +207,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
 
     /// A solution of the arm that was meant, with its tool frame there: brought to the target by Newton's method on the arm
     /// as it is, of which `pose_and_jacobian` is the tool frame with the columns of the Jacobian.
+    #[inline]
     pub fn accept_pose(
         &mut self,
         q: [S; N],
@@ -210,32 +216,66 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     ) {
         if self.seek.is_some() {
             self.seek_from(q, tool, pose_and_jacobian);
-            return;
+        } else {
+            let most = S::from_f64(MET) * S::EPSILON;
+            let away = sub(tool.translation, self.target.translation);
+            let [a, b, c] = tool.rotation;
+            let [d, e, f] = self.target.rotation;
+            let (a, b, c) = (sub(a, d), sub(b, e), sub(c, f));
+            // The squares of the distance, and of the angle; twice that is what the rows are apart.
+            let far = most * self.search.reach;
+            let met = above(far * far, dot(away, away))
+                && above(S::TWO * most * most, dot(a, a) + dot(b, b) + dot(c, c));
+            let range = if met { self.corrected(q, &mut pose_and_jacobian) } else { S::INFINITY };
+            if range > S::ZERO {
+                self.doubted(q, tool, met, range, pose_and_jacobian);
+            }
         }
+    }
+
+    /// Adds the solution of the arm as it is that is next to a root, and says how far from there (rad, reaches) others may be
+    /// that belong to no other root.
+    #[inline]
+    fn corrected(
+        &mut self,
+        q: [S; N],
+        pose_and_jacobian: &mut impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+    ) -> S {
         let reach = self.search.reach;
-        let target = self.target;
+        let Some(found) = newton::solve(q, &self.unknowns, &self.target, reach, pose_and_jacobian) else {
+            return S::INFINITY;
+        };
+        let solution = self.labels.solution(&found.at, found.determinant < S::ZERO);
+        let new = self.search.solutions.append_new(solution, self.search.windings);
+        if !new || found.turned || found.first > S::from_f64(SHORT) {
+            return S::INFINITY;
+        }
+        let simple = found.determinant.abs() > S::from_f64(SINGULAR * self.deviation);
+        if simple { S::ZERO } else { S::from_f64(NEIGHBOURS) }
+    }
+
+    /// A candidate that is none of the arm that was meant, or beside which there may be any number of solutions.
+    #[cold]
+    #[inline(never)]
+    fn doubted(
+        &mut self,
+        q: [S; N],
+        tool: &Frame<S>,
+        met: bool,
+        range: S,
+        pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+    ) {
+        let (reach, target) = (self.search.reach, self.target);
         let position_error = norm(sub(tool.translation, target.translation));
         let rotation_error = rotation_error(&target.rotation, &tool.rotation);
-        let miss = (position_error / reach).max(rotation_error);
-        let exact = above(S::from_f64(MET) * S::EPSILON, miss);
-        if exact && let Some(found) = newton::solve(q, &self.unknowns, &target, reach, &mut pose_and_jacobian)
-        {
-            let solution = self.labels.solution(&found.at, found.determinant < S::ZERO);
-            let new = self.search.solutions.append_new(solution, self.search.windings);
-            let simple = found.determinant.abs() > S::from_f64(SINGULAR * self.deviation);
-            if new && simple && !found.turned && found.first <= S::from_f64(SHORT) {
-                return;
-            }
-        }
-        if !exact && self.singular.is_none() {
+        self.search.miss(position_error, rotation_error);
+        if !met && self.singular.is_none() {
             // A false root of a squared equation; of one that nearly is none, nothing is known.
             let most = self.off.iter().fold(S::ZERO, |most, off| if *off > most { *off } else { most });
-            if above(miss, S::from_f64(MARGIN) * most) {
-                self.search.miss(position_error, rotation_error);
+            if above((position_error / reach).max(rotation_error), S::from_f64(MARGIN) * most) {
                 return;
             }
         }
-        self.search.miss(position_error, rotation_error);
         let deviation = S::from_f64(self.deviation);
         let mut arm = Arm {
             unknowns: &self.unknowns,
@@ -247,6 +287,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         };
         let vague = self.off.iter().any(|off| *off >= S::from_f64(UNSURE));
         let all = match [self.singular.folds, self.singular.poles, self.singular.idle].map(u32::count_ones) {
+            [0, 0, 0] => arm.follow(q, range, &mut self.search.solutions),
             [0, 0 | 1, 0 | 1] => arm.follow(q, S::INFINITY, &mut self.search.solutions),
             [1, 0, idle] => {
                 // What cannot be reached is missing at the fold, but for what the arm is off; nothing is amplified on the way.

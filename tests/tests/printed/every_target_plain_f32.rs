@@ -807,8 +807,7 @@ impl EveryTarget {
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 #[inline]
 fn forward_kinematics(q: &[f32; 2]) -> Frame<f32> {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s12, c12) = Float::sin_cos(q[0] + q[1]);
+    let [(s1, c1), (s12, c12)] = Float::sin_cos_all([q[0], q[0] + q[1]]);
     let px = A2 * c12 + A1 * c1;
     let py = A2 * s12 + A1 * s1;
     Frame {
@@ -822,8 +821,7 @@ fn forward_kinematics(q: &[f32; 2]) -> Frame<f32> {
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 #[inline]
 fn geometric_jacobian(q: &[f32; 2]) -> [[f32; 6]; 2] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s12, c12) = Float::sin_cos(q[0] + q[1]);
+    let [(s1, c1), (s12, c12)] = Float::sin_cos_all([q[0], q[0] + q[1]]);
     let t1 = A2 * s12;
     let py = t1 + A1 * s1;
     let t2 = A2 * c12;
@@ -836,8 +834,7 @@ fn geometric_jacobian(q: &[f32; 2]) -> [[f32; 6]; 2] {
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 #[inline]
 fn pose_and_jacobian(q: &[f32; 2]) -> (Frame<f32>, [[f32; 6]; 2]) {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s12, c12) = Float::sin_cos(q[0] + q[1]);
+    let [(s1, c1), (s12, c12)] = Float::sin_cos_all([q[0], q[0] + q[1]]);
     let t1 = A2 * c12;
     let px = t1 + A1 * c1;
     let t2 = A2 * s12;
@@ -856,8 +853,7 @@ fn pose_and_jacobian(q: &[f32; 2]) -> (Frame<f32>, [[f32; 6]; 2]) {
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "as for every arm")]
 #[inline]
 fn row_frames(q: &[f32; 2]) -> [Frame<f32>; 3] {
-    let (s1, c1) = Float::sin_cos(q[0]);
-    let (s12, c12) = Float::sin_cos(q[0] + q[1]);
+    let [(s1, c1), (s12, c12)] = Float::sin_cos_all([q[0], q[0] + q[1]]);
     let t1 = A1 * c1;
     let t2 = A1 * s1;
     [
@@ -1072,7 +1068,7 @@ fn solve_given(
     let [q2] = *free;
     let unknowns = |_: &[f32; 2]| [];
     let wanted = Wanted::of(seed, unknowns)?;
-    let mut search = Search::about(REACH, &WINDINGS, &wanted);
+    let mut search = Search::about(REACH, &WINDINGS, &wanted).with_given(&[1]);
 
     let q = [px, q2];
     let (position_error, rotation_error) = target.errors(&forward_kinematics(&q));

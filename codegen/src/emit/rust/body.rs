@@ -1,7 +1,7 @@
 //! Steps of a function as statements.
 
 use super::expression::Leaves;
-use super::layout::{Expression, statement};
+use super::layout::{Expression, WIDTH, statement};
 use super::liveness::{Live, coefficients};
 use super::names::Names;
 use super::text::{Text, clean};
@@ -61,17 +61,17 @@ impl Locals {
 impl Body<'_> {
     /// Statements for `steps`; `accept` prints what is done with a candidate.
     pub(super) fn steps(&self, text: &mut Text, steps: &[Step], accept: &dyn Fn(&mut Text, &Candidate<'_>)) {
-        for step in steps {
+        let mut rest = steps;
+        while let [step, others @ ..] = rest {
+            if let Step::SinCos { .. } = step {
+                rest = self.sines(text, rest);
+                continue;
+            }
+            rest = others;
             match step {
                 Step::Let { name, value } if self.live.value(*name) => {
                     let head = format!("let {} =", self.name(*name));
                     text.laid_out(&statement(text.indent(), &head, &self.leaves.expression(value), ";"));
-                }
-                Step::SinCos { sin, cos, angle } if self.live.value(*sin) || self.live.value(*cos) => {
-                    let head = format!("let ({}, {}) =", self.name(*sin), self.name(*cos));
-                    let sin_cos = format!("{}::sin_cos", self.leaves.paths.runtime("Float"));
-                    let call = Expression::Call(sin_cos, vec![self.leaves.expression(angle)]);
-                    text.laid_out(&statement(text.indent(), &head, &call, ";"));
                 }
                 Step::Let { .. } | Step::SinCos { .. } => {}
                 Step::Solve { stage, root, sin_cos, equation, body } => {
@@ -153,6 +153,37 @@ impl Body<'_> {
                 Step::Accept { q, tool, polish } => accept(text, &Candidate { q, tool, polish: *polish }),
             }
         }
+    }
+
+    /// A statement for the sines and cosines that the steps begin with, of as many as one line can name. Gives the steps that
+    /// are left.
+    fn sines<'s>(&self, text: &mut Text, steps: &'s [Step]) -> &'s [Step] {
+        let (mut pairs, mut angles) = (Vec::new(), Vec::new());
+        let float = self.leaves.paths.runtime("Float");
+        let all = format!("{float}::sin_cos_all");
+        let mut width = text.indent() + "let [] = ([".len() + all.len();
+        let mut rest = steps;
+        while let Some((Step::SinCos { sin, cos, angle }, others)) = rest.split_first() {
+            if self.live.value(*sin) || self.live.value(*cos) {
+                let pair = format!("({}, {})", self.name(*sin), self.name(*cos));
+                width += pair.len() + ", ".len();
+                if width > WIDTH && !pairs.is_empty() {
+                    break;
+                }
+                pairs.push(pair);
+                angles.push(self.leaves.expression(angle));
+            }
+            rest = others;
+        }
+        let (pattern, call) = match (&pairs[..], &angles[..]) {
+            ([], _) => return rest,
+            ([pair], [angle]) => {
+                (pair.clone(), Expression::Call(format!("{float}::sin_cos"), vec![angle.clone()]))
+            }
+            _ => (format!("[{}]", pairs.join(", ")), Expression::Call(all, vec![Expression::Array(angles)])),
+        };
+        text.laid_out(&statement(text.indent(), &format!("let {pattern} ="), &call, ";"));
+        rest
     }
 
     /// A new search, by one of its constructors.

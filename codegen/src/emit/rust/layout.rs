@@ -1,7 +1,7 @@
 //! Expressions, and where their lines break: as rustfmt's defaults would break them.
 
 /// Columns of a line.
-const WIDTH: usize = 100;
+pub(super) const WIDTH: usize = 100;
 /// Width up to which rustfmt keeps arguments and arrays on one line.
 const SHORT: usize = 60;
 /// Width of an element up to which a long array is filled line by line.

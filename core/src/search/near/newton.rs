@@ -1,7 +1,8 @@
 //! Newton's method on all six coordinates of a pose, where it converges at once.
 
 use super::UNKNOWNS;
-use crate::frame::{norm, sub};
+use super::blocks::Blocks;
+use crate::frame::{dot, norm, sub};
 use crate::polish::{Polished, turn};
 use crate::{Float, Frame};
 
@@ -16,9 +17,6 @@ const SMALL: f64 = 1024.0;
 
 /// A step after which at most this many machine epsilons (reaches, rad) can be left is the last.
 const LEFT: f64 = 512.0;
-
-/// Without an exchange of rows, smaller pivots cost more digits than a step of Newton's method can spare.
-const SMALL_PIVOT: f64 = 1e-4;
 
 /// A step that leaves more of the error than this is one of a method that isn't near a solution.
 const CONVERGES: f64 = 0.25;
@@ -50,51 +48,81 @@ pub(super) fn solve<const N: usize, S: Float>(
     let (mut q, mut last) = (start, S::INFINITY);
     let (mut began, mut last_determinant) = (None, None);
     let mut first = S::ZERO;
-    let long = S::ONE.max(S::ONE / reach);
+    let per_reach = S::ONE / reach;
+    let long = S::ONE.max(per_reach);
+    let rounding = S::from_f64(ROUNDING) * S::EPSILON;
+    let small = S::from_f64(SMALL) * S::EPSILON;
     for _ in 0..STEPS {
-        let (tool, jacobian) = pose_and_jacobian(&q);
-        let mut at = Equations::new(unknowns, &tool, &jacobian, target, reach)?;
-        let error = (at.position_error / reach).max(at.rotation_error);
-        let rounding = S::from_f64(ROUNDING) * S::EPSILON;
-        let small = S::from_f64(SMALL) * S::EPSILON;
-        let slow = error > S::from_f64(CONVERGES) * last;
-        if error <= rounding || (error <= small && slow) {
-            let found = Polished { q, position_error: at.position_error, rotation_error: at.rotation_error };
-            let determinant = last_determinant.unwrap_or_else(|| at.solution().1);
-            let negative = determinant < S::ZERO;
-            return Some(Found {
-                at: found,
-                determinant,
-                turned: began.is_some_and(|began| began != negative),
-                first,
-            });
-        }
-        if slow || error.is_nan() {
+        // Not taken apart: that would be a copy.
+        let here = pose_and_jacobian(&q);
+        let (tool, jacobian) = (&here.0, &here.1);
+        let missing = (sub(target.translation, tool.translation), turn(tool, target));
+        let far = dot(missing.0, missing.0) * per_reach * per_reach;
+        let angle = dot(missing.1, missing.1);
+        // The square, as are what it is compared with.
+        let error = if far > angle { far } else { angle };
+        let slow = error > S::from_f64(CONVERGES * CONVERGES) * last;
+        let met = error <= rounding * rounding || (error <= small * small && slow);
+        if !met && (slow || error.is_nan()) {
             return None;
         }
         last = error;
-        let mut length = S::ZERO;
-        let (step, determinant) = at.solution();
+        let (step, determinant) = match (met, last_determinant) {
+            (true, Some(determinant)) => ([S::ZERO; UNKNOWNS], determinant),
+            _ => step(unknowns, jacobian, missing, per_reach)?,
+        };
         last_determinant = Some(determinant);
-        let sign = determinant < S::ZERO;
-        if began.is_none() {
-            first = step.iter().fold(S::ZERO, |most, change| most.max(change.abs()));
+        let negative = determinant < S::ZERO;
+        let turned = *began.get_or_insert(negative) != negative;
+        if met {
+            let at = Polished { q, position_error: norm(missing.0), rotation_error: norm(missing.1) };
+            return Some(Found { at, determinant, turned, first });
         }
-        let began = *began.get_or_insert(sign);
+        let (mut length, mut most) = (S::ZERO, S::ZERO);
         for (joint, change) in unknowns.iter().zip(step) {
             *q.get_mut(*joint)? += change;
-            length += change.abs();
+            let size = change.abs();
+            length += size;
+            most = if size > most { size } else { most };
+        }
+        if first == S::ZERO {
+            first = most;
         }
         // No second derivative of a pose by joint values is more than a reach (by a slide and a turn, 1).
         let length = length * long;
         let left = length * length;
         if left <= S::from_f64(LEFT) * S::EPSILON {
-            let bound = left.max(rounding);
-            let found = Polished { q, position_error: bound * reach, rotation_error: bound };
-            return Some(Found { at: found, determinant, turned: began != sign, first });
+            let bound = if left > rounding { left } else { rounding };
+            let at = Polished { q, position_error: bound * reach, rotation_error: bound };
+            return Some(Found { at, determinant, turned, first });
         }
     }
     None
+}
+
+/// The change of joint values that makes up for what is missing of a pose (m, rad), with the determinant of the Jacobian
+/// (reaches, rad).
+#[inline(always)]
+#[allow(clippy::inline_always, reason = "a call would put the blocks into memory")]
+fn step<S: Float>(
+    unknowns: &[usize; UNKNOWNS],
+    jacobian: &[[S; 6]],
+    missing: ([S; 3], [S; 3]),
+    per_reach: S,
+) -> Option<([S; UNKNOWNS], S)> {
+    let [a, b, c, d, e, f] = *unknowns;
+    let columns = [
+        jacobian.get(a)?,
+        jacobian.get(b)?,
+        jacobian.get(c)?,
+        jacobian.get(d)?,
+        jacobian.get(e)?,
+        jacobian.get(f)?,
+    ];
+    if let Some(blocks) = Blocks::new(columns, per_reach) {
+        return Some((blocks.solution(missing.0, missing.1), blocks.determinant));
+    }
+    Some(Equations::of(columns, missing, per_reach).pivoted())
 }
 
 /// Whether the determinant of the Jacobian is negative.
@@ -111,10 +139,6 @@ pub(super) fn is_negative<S: Float>(
 pub(super) struct Equations<S> {
     /// Columns of the Jacobian, and what is missing: reaches, then rad.
     rows: [[S; UNKNOWNS + 1]; UNKNOWNS],
-    /// m
-    position_error: S,
-    /// rad
-    rotation_error: S,
 }
 
 impl<S: Float> Equations<S> {
@@ -127,24 +151,32 @@ impl<S: Float> Equations<S> {
         target: &Frame<S>,
         reach: S,
     ) -> Option<Self> {
-        let per_reach = S::ONE / reach;
-        let away = sub(target.translation, tool.translation);
-        let turned = turn(tool, target);
-        let [px, py, pz] = away.map(|x| x * per_reach);
+        let [a, b, c, d, e, f] = *unknowns;
+        let columns = [
+            jacobian.get(a)?,
+            jacobian.get(b)?,
+            jacobian.get(c)?,
+            jacobian.get(d)?,
+            jacobian.get(e)?,
+            jacobian.get(f)?,
+        ];
+        let missing = (sub(target.translation, tool.translation), turn(tool, target));
+        Some(Self::of(columns, missing, S::ONE / reach))
+    }
+
+    /// Of columns and what is missing (m, rad).
+    fn of(columns: [&[S; 6]; UNKNOWNS], (away, turned): ([S; 3], [S; 3]), per_reach: S) -> Self {
+        let mut rows = [[S::ZERO; UNKNOWNS + 1]; UNKNOWNS];
+        let [px, py, pz] = away;
         let [wx, wy, wz] = turned;
-        let mut rows = [px, py, pz, wx, wy, wz].map(|missing| {
-            let mut row = [S::ZERO; UNKNOWNS + 1];
-            row[UNKNOWNS] = missing;
-            row
-        });
-        for (place, joint) in unknowns.iter().enumerate() {
-            let [vx, vy, vz, wx, wy, wz] = *jacobian.get(*joint)?;
-            let column = [vx * per_reach, vy * per_reach, vz * per_reach, wx, wy, wz];
-            for (row, entry) in rows.iter_mut().zip(column) {
-                row[place] = entry;
+        let missing = [px, py, pz, wx, wy, wz];
+        let scale = [per_reach, per_reach, per_reach, S::ONE, S::ONE, S::ONE];
+        for (place, column) in columns.into_iter().chain([&missing]).enumerate() {
+            for ((row, entry), scale) in rows.iter_mut().zip(column).zip(scale) {
+                row[place] = *entry * scale;
             }
         }
-        Some(Self { rows, position_error: norm(away), rotation_error: norm(turned) })
+        Self { rows }
     }
 
     /// Columns of the Jacobian, and what is missing: reaches, then rad.
@@ -152,14 +184,7 @@ impl<S: Float> Equations<S> {
         (core::array::from_fn(|place| self.rows.map(|row| row[place])), self.rows.map(|row| row[UNKNOWNS]))
     }
 
-    /// By Gaussian elimination, with the determinant; not finite where the equations are singular.
-    #[inline]
-    fn solution(&mut self) -> ([S; UNKNOWNS], S) {
-        // A digit that is lost here is made up for by the next step: rows are exchanged only where many are.
-        unpivoted(&self.rows).unwrap_or_else(|| self.pivoted())
-    }
-
-    /// With partial pivoting.
+    /// By Gaussian elimination with partial pivoting, and the determinant; not finite where the equations are singular.
     #[cold]
     #[inline(never)]
     fn pivoted(&mut self) -> ([S; UNKNOWNS], S) {
@@ -187,48 +212,6 @@ impl<S: Float> Equations<S> {
         }
         odd
     }
-}
-
-/// Elimination with the rows as they come, or `None` where a pivot is small.
-#[inline]
-fn unpivoted<S: Float>(rows: &[[S; UNKNOWNS + 1]; UNKNOWNS]) -> Option<([S; UNKNOWNS], S)> {
-    let [a, mut b, mut c, mut d, mut e, mut f] = *rows;
-    let mut least = S::INFINITY;
-    let mut determinant = S::ONE;
-    macro_rules! eliminated {
-        ($k:literal, $top:ident: $($row:ident),*) => {{
-            let size = $top[$k].abs();
-            least = if size < least { size } else { least };
-            determinant *= $top[$k];
-            let inverse = S::ONE / $top[$k];
-            $(
-                let factor = $row[$k] * inverse;
-                // All columns, for the sake of vector instructions.
-                for (value, from) in $row.iter_mut().zip($top) {
-                    *value -= factor * from;
-                }
-            )*
-            inverse
-        }};
-    }
-    let ia = eliminated!(0, a: b, c, d, e, f);
-    let ib = eliminated!(1, b: c, d, e, f);
-    let ic = eliminated!(2, c: d, e, f);
-    let id = eliminated!(3, d: e, f);
-    let ie = eliminated!(4, e: f);
-    let size = f[5].abs();
-    least = if size < least { size } else { least };
-    if !super::above(least, S::from_f64(SMALL_PIVOT)) {
-        return None;
-    }
-    determinant *= f[5];
-    let z = f[6] / f[5];
-    let y = (e[6] - e[5] * z) * ie;
-    let x = (d[6] - d[5] * z - d[4] * y) * id;
-    let w = (c[6] - c[5] * z - c[4] * y - c[3] * x) * ic;
-    let v = (b[6] - b[5] * z - b[4] * y - b[3] * x - b[2] * w) * ib;
-    let u = (a[6] - a[5] * z - a[4] * y - a[3] * x - a[2] * w - a[1] * v) * ia;
-    Some(([u, v, w, x, y, z], determinant))
 }
 
 /// Takes the unknown of column `k` out of the rows below row `k`.
@@ -259,7 +242,7 @@ fn substitute<S: Float>(a: &[[S; UNKNOWNS + 1]; UNKNOWNS]) -> [S; UNKNOWNS] {
 
 #[cfg(test)]
 mod tests {
-    use super::{Equations, UNKNOWNS, unpivoted};
+    use super::{Equations, UNKNOWNS};
 
     /// Rows whose first pivots vanish where they aren't exchanged, if `hidden`.
     fn rows(hidden: bool) -> [[f64; UNKNOWNS + 1]; UNKNOWNS] {
@@ -284,23 +267,18 @@ mod tests {
     }
 
     #[test]
-    fn equations_are_solved_with_rows_as_they_come_and_exchanged() {
-        let plain = rows(false);
-        let (x, determinant) = unpivoted(&plain).expect("no small pivot");
-        assert!(left(&plain, &x) < 1e-12);
-        let mut equations = Equations { rows: plain, position_error: 0.0, rotation_error: 0.0 };
-        assert!((equations.pivoted().1 - determinant).abs() < 1e-12);
-        let hidden = rows(true);
-        assert!(unpivoted(&hidden).is_none());
-        let mut equations = Equations { rows: hidden, position_error: 0.0, rotation_error: 0.0 };
-        assert!(left(&hidden, &equations.solution().0) < 1e-12);
+    fn equations_are_solved_with_rows_exchanged() {
+        for hidden in [false, true] {
+            let rows = rows(hidden);
+            let (x, _) = Equations { rows }.pivoted();
+            assert!(left(&rows, &x) < 1e-12);
+        }
     }
 
     #[test]
     fn equations_that_are_singular_have_no_finite_solution() {
         let mut rows = rows(false);
         rows[5] = rows[4];
-        let mut equations = Equations { rows, position_error: 0.0, rotation_error: 0.0 };
-        assert!(!equations.solution().0.iter().all(|x| x.abs() < 1e9));
+        assert!(!Equations { rows }.pivoted().0.iter().all(|x| x.abs() < 1e9));
     }
 }

@@ -76,7 +76,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
     #[inline]
     pub fn trig(&mut self, step: Step, a: S, b: S, c: S) -> Roots<S> {
         if self.seek.is_some() {
-            return self.search.trig(step, a, b, c);
+            return self.trig_of_neighbour(step, [a, b, c]);
         }
         self.doubt_if_adrift(step);
         let [off, own] = self.begin(step);
@@ -88,6 +88,12 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
             return both(a, b, c, root, S::ONE / square);
         }
         self.trig_at_fold(step, [a, b, c], [off, own])
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn trig_of_neighbour(&mut self, step: Step, [a, b, c]: [S; 3]) -> Roots<S> {
+        self.search.trig(step, a, b, c)
     }
 
     /// Two roots that are about to meet, or have met.
@@ -146,34 +152,48 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
     #[inline]
     pub fn trig_pair(&mut self, step: Step, first: [S; 3], second: [S; 3]) -> Roots<S> {
         if self.seek.is_some() {
-            return self.search.trig_pair(step, first, second);
+            return self.trig_pair_of_neighbour(step, first, second);
         }
         let [off, own] = self.begin(step);
         let ([a1, b1, c1], [a2, b2, c2]) = (first, second);
         let determinant = a1 * b2 - a2 * b1;
         let (h1, h2) = (a1 * a1 + b1 * b1, a2 * a2 + b2 * b2);
         let h = if h1 > h2 { h1 } else { h2 };
-        let inverse = S::ONE / determinant;
-        let per_off = h.sqrt() * inverse.abs();
-        let (cos, sin) = ((c1 * b2 - c2 * b1) * inverse, (a1 * c2 - a2 * c1) * inverse);
-        let length = (cos * cos + sin * sin).sqrt();
+        let (cos, sin) = (c1 * b2 - c2 * b1, a1 * c2 - a2 * c1);
+        let size = (cos * cos + sin * sin).sqrt();
+        let unit = S::ONE / if determinant < S::ZERO { -size } else { size };
+        let inverse = S::ONE / determinant.abs();
+        let per_off = h.sqrt() * inverse;
+        let miss = (size * inverse - S::ONE).abs();
+        let root = [sin * unit, cos * unit];
         if !above(S::from_f64(UNSURE), own * per_off) {
-            if above(h, S::from_f64(LARGE * LARGE) * own * own) {
-                return self.doubt();
-            }
-            self.any(step);
-            let sure = length > S::ZERO && length.is_finite();
-            return Roots::angle(if sure { [sin / length, cos / length] } else { [S::ZERO, S::ONE] });
+            return self.trig_pair_at_pole(step, h, own, root);
         }
         let by = off * per_off;
-        let miss = (length - S::ONE).abs();
         self.end(step, by);
         if miss > S::from_f64(MARGIN) * by + S::from_f64(FALSE) {
             self.doubtful |= self.singular.idle != 0;
             return self.search.unreachable_by(step, miss * h.sqrt(), h.sqrt());
         }
-        let unit = S::ONE / length;
-        Roots::angle([sin * unit, cos * unit])
+        Roots::angle(root)
+    }
+
+    /// Rows that are one, or vanish.
+    #[cold]
+    #[inline(never)]
+    fn trig_pair_at_pole(&mut self, step: Step, h: S, own: S, root: [S; 2]) -> Roots<S> {
+        if above(h, S::from_f64(LARGE * LARGE) * own * own) {
+            return self.doubt();
+        }
+        self.any(step);
+        let sure = root.iter().all(|part| part.is_finite());
+        Roots::angle(if sure { root } else { [S::ZERO, S::ONE] })
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn trig_pair_of_neighbour(&mut self, step: Step, first: [S; 3], second: [S; 3]) -> Roots<S> {
+        self.search.trig_pair(step, first, second)
     }
 
     /// [`Search::linear`](crate::Search::linear): it has no root where a vanishes.
