@@ -15,7 +15,7 @@ use std::io::Write;
 /// Validates tables, and says what is known about each robot.
 ///
 /// Prints its joints and axes, how every inverse problem is solved, what was verified with which figures, the reach,
-/// and what a pose costs. Exit status 1 if a table has errors.
+/// and what a pose costs. Exit status 1 if a table has errors, or a problem of it has no function.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES, after_long_help = EXAMPLES)]
 pub(crate) struct Arguments {

@@ -84,7 +84,7 @@ fn why(robot: &Robot, function: &Function) -> String {
     let model = robot.model();
     if let Some(meant) = near(function) {
         return format!(
-            "solved as {meant}; each solution is brought to the table as written by Newton's method; near singular poses also from poses around, and by a polynomial in one joint"
+            "solved as {meant}; each solution is brought to the table as written by Newton's method; near singular poses along the curve of what is missing, then by a polynomial in one joint, then from poses around"
         );
     }
     if let [Step::Descents { .. }] = function.steps.as_slice() {

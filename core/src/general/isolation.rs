@@ -227,6 +227,9 @@ impl Waves {
     /// A better guess, from the values at the last one. Whether it is good enough.
     fn advance(&self, bracket: &mut Bracket, [f, d, e]: [f64; 3]) -> bool {
         let x = bracket.guess;
+        if f == 0.0 {
+            return true;
+        }
         let [low, high] = &mut bracket.ends;
         if (f > 0.0) == bracket.rising {
             *high = x;

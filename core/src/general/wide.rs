@@ -42,12 +42,11 @@ impl Wide {
         self.map(f64::abs)
     }
 
-    /// The least absolute value.
+    /// The least absolute value; one that is no number does not count.
     #[inline]
     fn least_size(self) -> f64 {
         let [a, b, c, d] = self.abs().0;
-        let less = |a: f64, b: f64| if a < b { a } else { b };
-        less(less(a, b), less(c, d))
+        a.min(b).min(c.min(d))
     }
 
     #[inline]

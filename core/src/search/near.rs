@@ -19,7 +19,8 @@ use super::{Roots, Search};
 use crate::branch::bit_of;
 use crate::frame::{dot, norm, sub};
 use crate::{
-    Branch, Float, Frame, GeneralArm, IkError, Polished, Solution, Solutions, Winding, rotation_error,
+    Branch, Float, Frame, GeneralArm, IkError, Polished, Solution, Solutions, Winding, residual_tolerance,
+    rotation_error,
 };
 use curve::Arm;
 use seek::Seek;
@@ -145,10 +146,11 @@ const NEIGHBOURS: f64 = 1.0;
 /// A first step of Newton's method (rad, reaches) that is longer than this may have left its solution for another.
 const SHORT: f64 = 0.2;
 
-/// So many times what the arm is off by are out of reach where they are missing at a fold (reaches, rad).
+/// At a fold beyond reach, a target that is missed by more than so many times what the arm is off by (reaches, rad) has no
+/// solution.
 const APART: f64 = 8.0;
 
-/// An error (reaches, rad) of so many machine epsilons of the target is none: it comes of rounding in the closed form.
+/// A candidate that misses the target (reaches, rad) by no more than so many machine epsilons does so by rounding.
 const MET: f64 = 1e6;
 
 impl<'a, const N: usize, S: Float> Near<'a, N, S> {
@@ -217,7 +219,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         if self.seek.is_some() {
             self.seek_from(q, tool, pose_and_jacobian);
         } else {
-            let most = S::from_f64(MET) * S::EPSILON;
+            let most = (S::from_f64(MET) * S::EPSILON).min(residual_tolerance());
             let away = sub(tool.translation, self.target.translation);
             let [a, b, c] = tool.rotation;
             let [d, e, f] = self.target.rotation;

@@ -149,7 +149,7 @@ impl Derivation<'_, '_, '_> {
                     );
                     self.text.line(
                         1,
-                        "Near singular poses the same at poses around, and where that may not be all:",
+                        "Near singular poses along the curve of what is missing; where that may not be all:",
                     );
                     self.steps(otherwise);
                 }

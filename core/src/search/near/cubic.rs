@@ -13,7 +13,7 @@ fn cubic<S: Float>([a, b]: [S; 2], [da, db]: [S; 2], x: S) -> (S, S) {
     (a + x * (da + x * (second + x * third)), da + x * (S::TWO * second + x * three * third))
 }
 
-/// Where it is 0, of which it has another sign at 0 than at 1.
+/// The root between 0 and 1 of a cubic that has opposite signs there.
 pub(super) fn root<S: Float>(ends: [S; 2], slopes: [S; 2]) -> S {
     let (mut low, mut high) = (S::ZERO, S::ONE);
     let mut x = ends[0].abs() / (ends[0].abs() + ends[1].abs());
@@ -30,7 +30,8 @@ pub(super) fn root<S: Float>(ends: [S; 2], slopes: [S; 2]) -> S {
     x
 }
 
-/// Where it comes nearest to 0 inside, of which it has one sign at 0 and 1, and how near; `None` where that is at an end.
+/// Where a cubic that has one sign at 0 and 1 comes nearest to 0 between them, and its value there times that sign; `None`
+/// where that is at an end.
 pub(super) fn lowest<S: Float>(ends: [S; 2], slopes: [S; 2]) -> Option<(S, S)> {
     let sign = if ends[0] < S::ZERO { -S::ONE } else { S::ONE };
     if !(slopes[0] * sign < S::ZERO && slopes[1] * sign > S::ZERO) {

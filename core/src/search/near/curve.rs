@@ -24,7 +24,10 @@ const STRIDE: f64 = 0.3;
 const HALVED: u32 = 16;
 const PLACES: u32 = 96;
 
-/// Slopes at both ends of a stride make its change up to this share of what is missing.
+/// A curve that comes back as near as this (rad) to where it began is closed.
+const CLOSED: f64 = 0.03;
+
+/// A stride is short enough where the mean of the slopes at its ends predicts the change of what is missing to this share.
 const OFF: f64 = 0.02;
 
 /// Corrections of the other joints at most, and how far (rad, reaches) one may go.
@@ -99,7 +102,7 @@ enum End {
     Closed,
     /// Far from the target.
     Away,
-    /// Nobody knows where.
+    /// Somewhere unknown: solutions may be missing.
     Lost,
 }
 
@@ -183,8 +186,9 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
         let far = least.max(S::from_f64(AWAY).min(S::from_f64(FAR) * self.deviation));
         let clear = least.max(S::from_f64(CLEAR) * self.deviation);
         let (mut at, mut ahead, mut step) = (*start, side, stride);
-        let (mut gone, mut halved) = (S::ZERO, 0);
+        let mut gone = S::ZERO;
         for _ in 0..PLACES {
+            let mut halved = 0;
             let mut next = self.next(&at, ahead * step);
             while halved < HALVED && !next.is_some_and(|next| at.leads_to(&next, ahead * step)) {
                 halved += 1;
@@ -210,8 +214,11 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
             if gone > range || (at.missing.abs() > far && at.missing * at.slope * ahead > S::ZERO) {
                 return End::Away;
             }
-            let back =
-                gone > S::TWO * S::TWO * stride && apart(&at.q, &start.q, self.unknowns) < S::TWO * stride;
+            // Another strand of the curve may pass by the start, the other way.
+            let onward = start.rates.get(at.lead).is_some_and(|rate| *rate * side * ahead > S::ZERO);
+            let back = onward
+                && gone > S::TWO * S::TWO * stride
+                && apart(&at.q, &start.q, self.unknowns) < S::TWO * stride;
             if back && self.close(&at, start, ahead, found) {
                 return End::Closed;
             }
@@ -230,8 +237,12 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
         let joint = self.unknowns.get(at.lead).copied().unwrap_or(0);
         let [from, to] = [&at.q, &start.q].map(|q| q.get(joint).copied().unwrap_or(S::ZERO));
         let rest = (to - from).wrap_angle();
-        rest * ahead <= S::ZERO
-            || self.next(at, rest).is_some_and(|last| self.between(at, &last, rest, DIVIDED, found))
+        let last = self.next(at, rest);
+        let Some(last) = last.filter(|last| apart(&last.q, &start.q, self.unknowns) < S::from_f64(CLOSED))
+        else {
+            return false;
+        };
+        rest * ahead <= S::ZERO || self.between(at, &last, rest, DIVIDED, found)
     }
 
     /// The place where the leading joint is farther by a stride.

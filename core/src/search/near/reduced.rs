@@ -11,11 +11,15 @@ pub(super) struct Reduced<S> {
     lead: usize,
     /// Changes of the unknowns but the leading one that make up for what is missing in their directions.
     pub(super) change: [S; UNKNOWNS],
-    /// How much that is.
+    /// How much is missing in their directions (reaches, rad).
     pub(super) left: S,
+    /// What is missing in the direction in which the other joints move nothing (reaches, rad).
     pub(super) missing: S,
+    /// How that changes with the leading joint.
     pub(super) slope: S,
+    /// How the unknowns change with the leading joint as the other directions are kept.
     pub(super) rates: [S; UNKNOWNS],
+    /// That direction.
     pub(super) normal: [S; UNKNOWNS],
     /// The least length of a column in a direction of its own.
     pub(super) weakest: S,

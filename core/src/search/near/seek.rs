@@ -5,6 +5,7 @@
 
 use super::curve::{Arm, apart};
 use super::{Exact, Near, UNKNOWNS};
+use crate::evenly::evenly;
 use crate::frame::{norm, sub};
 use crate::polish::Polished;
 use crate::search::Search;
@@ -52,9 +53,10 @@ const SAME: f64 = 1e-5;
 /// Where Newton's method does not converge, curves are followed at so many poses.
 const FOLLOWED: u32 = 5;
 
-/// Where the tool moves as little as this with a joint (reaches, rad), solutions may be near to each other; where it is as little
-/// as that, so near that some may be missing.
+/// Where the tool moves as little as this with a joint (reaches, rad), solutions may be near to each other.
 const NEARLY_SINGULAR: f64 = 0.03;
+
+/// Where it moves as little as this, they may be so near that some are missing.
 const CROWDED: f64 = 5e-4;
 
 impl<const N: usize, S: Float> Near<'_, N, S> {
@@ -101,10 +103,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         };
         let Some(Exact { arm, joints }) = &self.chain else { return seek };
         let Some(six) = arm.six(&[]) else { return seek };
-        let pose = Frame {
-            rotation: target.rotation.map(|row| row.map(Float::to_f64)),
-            translation: target.translation.map(Float::to_f64),
-        };
+        let pose = target.in_f64();
         let (_, sure) = six.solve_plainly(&pose, |values, determinant| {
             let tip = six.tip(values);
             let mut q = [S::ZERO; N];
@@ -226,10 +225,8 @@ impl<const N: usize, S: Float> Seek<N, S> {
     }
 }
 
-/// Where the pose of a number is, beside the target (reaches, rad): multiples of the powers of 1/g, with g^7 = g + 1, fill all
-/// directions evenly \[Roberts 2018, The unreasonable effectiveness of quasirandom sequences\].
+/// Where the pose of a number is, beside the target (reaches, rad): in all directions evenly, and opposite to the one before.
 fn aside(number: u32, deviation: f64) -> [f64; 6] {
-    const INVERSE: f64 = 0.898_653_712_628_699_3;
     let pair = number / 2;
     let near = if deviation > NEAREST { deviation } else { NEAREST };
     let half = libm::sqrt(near * FARTHEST);
@@ -241,9 +238,5 @@ fn aside(number: u32, deviation: f64) -> [f64; 6] {
         _ => FARTHEST,
     };
     let size = if number.is_multiple_of(2) { size } else { -size };
-    let mut power = f64::from(pair + 1);
-    [0; 6].map(|_| {
-        power *= INVERSE;
-        2.0 * size * (power - libm::floor(power) - 0.5)
-    })
+    evenly::<f64, 6>(pair + 1, 6).map(|part| 2.0 * size * part)
 }
