@@ -76,6 +76,12 @@ pub(crate) fn rank<const K: usize>(columns: &[[f64; 6]; K]) -> usize {
     K - null_space(columns, SINGULAR).count
 }
 
+/// Whether some unknowns can change with nothing that is prescribed changing faster than this, those whose column is 0 aside.
+pub(crate) fn is_singular<const K: usize>(columns: &[[f64; 6]; K], most: f64) -> bool {
+    let idle = columns.iter().filter(|column| column.iter().all(|x| *x == 0.0)).count();
+    null_space(columns, if most > SINGULAR { most } else { SINGULAR }).count > idle
+}
+
 /// Places beside a solution where another one may be that it nearly meets: such solutions lie along a direction in which
 /// what is prescribed hardly changes.
 pub(crate) fn beside<const K: usize>(

@@ -96,6 +96,22 @@ fn an_aligned_wrist_is_free_wherever_the_arm_is() {
     assert!(bent <= 3, "{bent} of 6000");
 }
 
+/// With the tool straight down in the plane of the first axis an equation of the last joint says nothing, but the arm stands
+/// still: others say it.
+#[test]
+fn a_solution_that_stands_alone_is_not_marked() {
+    let arm = engine::shipped("iiwa14").unwrap();
+    let rotation = [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
+    let target = Target::Pose(Frame { rotation, translation: [-0.4, 0.0, -0.186] });
+    let mut set = SolutionSet::new();
+    arm.ik_at_into(FULL_POSE, &target, &[0.0], &mut set).unwrap();
+    assert!(set.len() > 1 && set.iter().all(|solution| solution.free.is_none()));
+    // Stretched out upwards, joints 1, 3, 5 and 7 are on one line.
+    let target = target_of(&Oracle::shipped("iiwa14").unwrap(), &[0.3, 0.0, 0.0, 0.0, 0.2, 0.0, 0.1]);
+    arm.ik_at_into(FULL_POSE, &target, &[0.0], &mut set).unwrap();
+    assert!(set.iter().all(|solution| solution.free.is_some()));
+}
+
 /// Axes 4 and 6 are aligned, and their joints stop at 100 degrees: of the sum of 150 degrees, neither can take all.
 const STOPS: &str = "[robot]\nname = \"stops\"\nconvention = \"standard\"\nunits = { length = \"m\", angle = \"deg\" }\n\
     [[joint]]\nd = 0.4\nalpha = 90\nlimits = [-80, 80]\n[[joint]]\na = 0.4\nlimits = [-80, 0]\n[[joint]]\nalpha = 90\nlimits = [0, 90]\n\
