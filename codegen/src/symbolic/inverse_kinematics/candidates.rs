@@ -119,14 +119,7 @@ fn either(arena: &Arena, state: &mut State, lone: &[Lone], found: &mut Vec<Found
 /// Two equations in the sine and cosine of one angle that have the same roots at all samples, as lengths both or neither,
 /// if one is not merely a multiple of the other.
 fn same(arena: &Arena, state: &mut State, first: &Lone, second: &Lone) -> Result<Option<Solved>, Overflow> {
-    let (Simple::Trig { frequency, a, b, c }, Simple::Trig { frequency: other, a: a2, b: b2, c: c2 }) =
-        (&first.simple, &second.simple)
-    else {
-        return Ok(None);
-    };
-    if frequency != other {
-        return Ok(None);
-    }
+    let Some([[a, b, c], [a2, b2, c2]]) = of_one_angle(first, second) else { return Ok(None) };
     let State { samples, atoms, .. } = state;
     let mut ratios = Vec::new();
     for sample in samples {
@@ -177,6 +170,18 @@ pub(super) fn angle(frequency: &[i16]) -> Option<Unknown> {
     Some(Unknown::Angle { frequency: frequency.to_vec(), at })
 }
 
+/// The coefficients of two equations in the sine and cosine of one angle, if they are such.
+fn of_one_angle<'l>(first: &'l Lone, second: &'l Lone) -> Option<[[&'l Polynomial; 3]; 2]> {
+    match (&first.simple, &second.simple) {
+        (Simple::Trig { frequency, a, b, c }, Simple::Trig { frequency: other, a: a2, b: b2, c: c2 })
+            if frequency == other =>
+        {
+            Some([[a, b, c], [a2, b2, c2]])
+        }
+        _ => None,
+    }
+}
+
 /// Two equations in the sine and cosine of one angle, if they are independent at all samples.
 fn pair(
     arena: &Arena,
@@ -185,14 +190,7 @@ fn pair(
     first: &Lone,
     second: &Lone,
 ) -> Result<Option<Found>, Overflow> {
-    let (Simple::Trig { frequency, a, b, c }, Simple::Trig { frequency: other, a: a2, b: b2, c: c2 }) =
-        (&first.simple, &second.simple)
-    else {
-        return Ok(None);
-    };
-    if frequency != other {
-        return Ok(None);
-    }
+    let Some([[a, b, c], [a2, b2, c2]]) = of_one_angle(first, second) else { return Ok(None) };
     let determinant = a.mul(b2)?.sub(&b.mul(a2)?)?;
     if vanishes(arena, state, &determinant) {
         return Ok(None);

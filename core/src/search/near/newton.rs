@@ -100,6 +100,14 @@ pub(super) fn solve<const N: usize, S: Float>(
     None
 }
 
+/// The columns of the joints that are found.
+#[inline]
+fn columns_of<'j, S>(unknowns: &[usize; UNKNOWNS], jacobian: &'j [[S; 6]]) -> Option<[&'j [S; 6]; UNKNOWNS]> {
+    let [a, b, c, d, e, f] = *unknowns;
+    let column = |joint: usize| jacobian.get(joint);
+    Some([column(a)?, column(b)?, column(c)?, column(d)?, column(e)?, column(f)?])
+}
+
 /// The change of joint values that makes up for what is missing of a pose (m, rad), with the determinant of the Jacobian
 /// (reaches, rad).
 #[inline(always)]
@@ -110,15 +118,7 @@ fn step<S: Float>(
     missing: ([S; 3], [S; 3]),
     per_reach: S,
 ) -> Option<([S; UNKNOWNS], S)> {
-    let [a, b, c, d, e, f] = *unknowns;
-    let columns = [
-        jacobian.get(a)?,
-        jacobian.get(b)?,
-        jacobian.get(c)?,
-        jacobian.get(d)?,
-        jacobian.get(e)?,
-        jacobian.get(f)?,
-    ];
+    let columns = columns_of(unknowns, jacobian)?;
     if let Some(blocks) = Blocks::new(columns, per_reach) {
         return Some((blocks.solution(missing.0, missing.1), blocks.determinant));
     }
@@ -151,17 +151,8 @@ impl<S: Float> Equations<S> {
         target: &Frame<S>,
         reach: S,
     ) -> Option<Self> {
-        let [a, b, c, d, e, f] = *unknowns;
-        let columns = [
-            jacobian.get(a)?,
-            jacobian.get(b)?,
-            jacobian.get(c)?,
-            jacobian.get(d)?,
-            jacobian.get(e)?,
-            jacobian.get(f)?,
-        ];
         let missing = (sub(target.translation, tool.translation), turn(tool, target));
-        Some(Self::of(columns, missing, S::ONE / reach))
+        Some(Self::of(columns_of(unknowns, jacobian)?, missing, S::ONE / reach))
     }
 
     /// Of columns and what is missing (m, rad).
