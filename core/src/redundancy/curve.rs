@@ -23,6 +23,8 @@ const INEXACT: f64 = 1e-9;
 const LONGEST: f64 = 0.3;
 /// Back onto the curve by more than this part of a move along it is far.
 const STRAYS: f64 = 0.25;
+/// So far from the curve (rad or m) it is known which part of it the way leads to.
+const BESIDE: f64 = 0.1;
 /// Below this the square of the distance bends the wrong way along the curve, or hardly: its parabola isn't followed.
 const FLAT: f64 = 0.2;
 
@@ -93,7 +95,8 @@ where
     }
 
     /// The point of the curve from which the seed is nearest, downhill from joint values of which this is known, and whether
-    /// no point of any curve is nearer.
+    /// no point of any curve is nearer. None where the way comes by joint values, with that direction of the curve, from
+    /// which it is known where it leads.
     ///
     /// Newton's method on what Lagrange asks of it: that it is on the curve, and that its offset from the seed is across.
     pub(super) fn nearest_point(
@@ -101,9 +104,14 @@ where
         from: &[S; N],
         state: &State<N, S>,
         first: Local<N, S>,
+        is_known: impl Fn(&[S; N], &[S; N]) -> bool,
     ) -> Option<(Point<N, S>, bool)> {
         let near = S::from_f64(LAST).max(S::SQRT_EPSILON);
+        let beside = S::from_f64(BESIDE * BESIDE);
         let along = |q: &[S; N], columns: &[[S; 6]; N], local: &Local<N, S>, longest: S| {
+            if dot(&local.correction, &local.correction) <= beside && is_known(q, &local.tangent) {
+                return S::NAN;
+            }
             let mut offset = *q;
             add(&mut offset, self.seed, -S::ONE);
             let slope = dot(&offset, &local.tangent);

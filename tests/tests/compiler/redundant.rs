@@ -257,6 +257,20 @@ fn the_nearest_is_no_farther_than_the_joints_of_the_pose_or_a_dense_sweep() {
     });
 }
 
+/// The joints turn all the way round on this curve while the free one moves by 0.03 rad, a quarter of the distance of two
+/// samples.
+#[test]
+fn a_curve_between_two_samples_of_the_free_joint_is_found() {
+    let arm = Arm::new(&offset_wrist(true, &[true, false, true, true, false, false, true]));
+    let q = [-1.70693, -1.87885, -1.14262, -1.08752, 0.89064, 1.9304, -2.73842];
+    let seed = [-1.64075, -2.02585, -1.28962, -1.02153, 0.88768, 1.7834, -2.88542];
+    assert_eq!(arm.free(), 6);
+    let found = nearest(&arm, &arm.target(&q), &seed).unwrap();
+    assert!(arm.miss(&found, &q) < 1e-9 && arm.engine.check(&found).is_ok());
+    let (distance, known) = (travel(&found, &seed), travel(&q, &seed));
+    assert!(distance < known, "{distance} against {known}");
+}
+
 #[test]
 fn a_seed_that_is_a_solution_is_returned() {
     for_all(30, |arm, x, _| {
