@@ -26,6 +26,7 @@ mod recentre;
 mod rows;
 mod rules;
 mod servos;
+mod tool_axis;
 mod topology;
 
 pub use angle::EXACT_ANGLE_TOLERANCE;
@@ -353,6 +354,11 @@ pub enum Target {
 }
 
 impl Target {
+    /// Whether all that it leaves open of the tool frame is how that is turned about its z axis.
+    pub fn is_any_turn(self) -> bool {
+        self == Self::PositionDirection
+    }
+
     /// Names of the numbers that a target is made of, in the order in which functions take them.
     pub fn input_names(self) -> &'static [&'static str] {
         match self {

@@ -14,7 +14,7 @@ pub use normal::CommonNormal;
 
 use super::chain::{self, Chain, Element};
 use super::{JointKind, Model, Row};
-use normal::Transform;
+pub(super) use normal::Transform;
 
 /// What is parallel or meets to within this is taken to do so: rad, or a fraction of the reach. It is what rounding
 /// leaves of numbers that cancel.

@@ -130,6 +130,16 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
     })
 }
 
+/// Whether a problem's unknowns move what its target prescribes in as many ways as there are of them.
+///
+/// # Errors
+/// [`Refusal::Singular`] where they do so at no pose; and why they can't be written as such.
+pub(super) fn regular(model: &Model, problem: &Problem) -> Result<(), Refusal> {
+    let rows = rows::chain(model, problem)?;
+    let chain = chain(model, &rows, problem.free.len());
+    refuse_singular(model, problem, &rows, &chain, &samples(model, problem, &chain))
+}
+
 fn chain(model: &Model, rows: &Rows, given: usize) -> FollowingChain {
     let reach = model.reach();
     let dense = |form: &Linear| {

@@ -1,9 +1,9 @@
 //! Plans of the inverse functions: one nested step an unknown.
 
-use super::near;
 use super::schedule::{Constants, Scheduler};
 use super::unknowns;
 use super::{Equation, Function, FunctionKind, Measure, Scalar, Stage, Step};
+use super::{descents, near};
 use crate::model::{Model, Problem, Target};
 use crate::symbolic::expression::Expr;
 use crate::symbolic::inverse_kinematics::{self, Derivation, Refusal, StageEquation};
@@ -49,7 +49,10 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
             other.target == problem.target && other.free == problem.free && forms(other) == forms(&problem)
         });
         let at = same.unwrap_or_else(|| {
-            let derivation = inverse_kinematics::derive(model, &problem);
+            // Steps might be found for an arm that is regular nowhere: equations that follow from each other are not seen to.
+            let any_turn = problem.target.is_any_turn();
+            let regular = if any_turn { descents::regular(model, &problem) } else { Ok(()) };
+            let derivation = regular.and_then(|()| inverse_kinematics::derive(model, &problem));
             derived.push((problem.clone(), derivation));
             derived.len() - 1
         });

@@ -49,10 +49,10 @@ pub(super) fn tilt([ax, ay, az]: [f64; 3], [bx, by, bz]: [f64; 3]) -> f64 {
 
 /// A rigid transform in f64.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Transform {
+pub(in crate::model) struct Transform {
     pub(super) rotation: [[f64; 3]; 3],
     /// m
-    pub(super) translation: [f64; 3],
+    pub(in crate::model) translation: [f64; 3],
 }
 
 impl Transform {
@@ -84,7 +84,7 @@ impl Transform {
         Self { rotation, translation: [0.0; 3] }
     }
 
-    pub(super) fn of_link(link: &Link) -> Self {
+    pub(in crate::model) fn of_link(link: &Link) -> Self {
         link.elements.iter().fold(Self::identity(), |product, element| {
             product.times(&match element {
                 Element::Translate { axis, value, .. } => Self::along(*axis, *value),
@@ -95,7 +95,7 @@ impl Transform {
     }
 
     /// The z axis.
-    pub(super) fn axis(&self) -> [f64; 3] {
+    pub(in crate::model) fn axis(&self) -> [f64; 3] {
         self.rotation.map(|[_, _, z]| z)
     }
 

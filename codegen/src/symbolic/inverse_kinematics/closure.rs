@@ -103,7 +103,7 @@ pub(super) fn build(
     unknowns: &Unknowns,
     seen: Seen,
 ) -> Result<Closure, Trouble> {
-    let plain = model.chain();
+    let plain = if target.is_any_turn() { model.chain_to_tool_axis() } else { model.chain() };
     let mut walker = Walker { arena, model, unknowns, atoms: Atoms::default(), roots: Vec::new() };
     walker.angles(&plain);
     let inputs: Vec<Expr> =

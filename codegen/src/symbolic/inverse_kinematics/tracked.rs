@@ -99,6 +99,9 @@ impl Walker<'_> {
                     whole: true,
                 }])
             }
+            (Target::PositionDirection, [x, y, z, zx, zy, zz]) => {
+                Ok(self.axis_and_foot(plain, [*x, *y, *z], [*zx, *zy, *zz])?.into())
+            }
             (Target::Rotation, [a, b, c, d, e, f, g, h, i]) => {
                 let tool = self.behind_last_joint(plain);
                 Ok(self.axes(base, &tool, [[*a, *b, *c], [*d, *e, *f], [*g, *h, *i]])?)
@@ -132,6 +135,49 @@ impl Walker<'_> {
         let arm = transform::apply(self.arena, rotation, back);
         let origin = transform::sub(self.arena, p, arm);
         transform::sub(self.arena, origin, base.translation)
+    }
+
+    /// The tool's z axis, and the point on it from which the tool point is along that axis only: nothing of the turn about it.
+    fn axis_and_foot(
+        &mut self,
+        plain: &crate::model::Chain,
+        position: Vec3,
+        direction: Vec3,
+    ) -> Result<[Tracked; 2], Overflow> {
+        let (zero, one) = (Polynomial::zero(), Polynomial::number(self.size(), Number::ONE));
+        let mut ahead = (self.arena.zero(), zero.clone());
+        let behind = plain.links.last().map_or(&[][..], |link| &link.elements);
+        for element in behind.iter().rev() {
+            let Element::Translate { axis: 2, value, name, note } = element else { break };
+            let by = self.parameter(name, *value, note, 1);
+            let along = self.arena.parameter(name, *value, 1, note);
+            ahead = (self.arena.add(ahead.0, along), ahead.1.add(&by)?);
+        }
+        let base = chain::rigid(self.arena, plain.links.first().map_or(&[][..], |link| &link.elements));
+        let tip = direction.map(|entry| self.arena.mul(ahead.0, entry));
+        let foot = transform::sub(self.arena, position, tip);
+        let moved = transform::sub(self.arena, foot, base.translation);
+        let target = self.behind_base(&base.rotation, moved, ["px", "py", "pz"], 1)?;
+        let along = self.behind_base(&base.rotation, direction, ["zx", "zy", "zz"], 0)?;
+        let foot = Tracked {
+            what: "position",
+            letter: "",
+            point: true,
+            target,
+            after_base: true,
+            tip: [zero.clone(), zero.clone(), zero.sub(&ahead.1)?],
+            whole: true,
+        };
+        let axis = Tracked {
+            what: "direction",
+            letter: "z",
+            point: false,
+            target: along,
+            after_base: true,
+            tip: [zero.clone(), zero, one],
+            whole: true,
+        };
+        Ok([axis, foot])
     }
 
     /// The base as the tool sees it: its axes, and the point of the first axis from which the second one starts.
