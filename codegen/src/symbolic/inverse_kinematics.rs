@@ -155,16 +155,13 @@ pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
     refusal::by_a_fraction(&problem.constraints)?;
     let unknowns = unknowns::eliminate(model, &problem.constraints, &problem.free)
         .map_err(|trouble| Refusal::of(trouble, model))?;
-    let mut outcome = solve(model, problem, &unknowns, Seen::FromBase, Steps::Quadratic);
+    let mut outcome = solve(model, problem, &unknowns, Seen::FromBase);
     if let (Err(Refusal::NoClosedForm), Target::Pose | Target::Rotation) = (&outcome, problem.target) {
-        let from_tip = solve(model, problem, &unknowns, Seen::FromTool, Steps::Quadratic);
+        let from_tip = solve(model, problem, &unknowns, Seen::FromTool);
         outcome = from_tip.map(|found| Derivation { begins: Begins::Tip, ..found });
     }
     if let (Err(Refusal::NoClosedForm), Target::Pose) = (&outcome, problem.target) {
         outcome = around(model, problem, &unknowns);
-    }
-    if let (Err(Refusal::NoClosedForm), true) = (&outcome, problem.target.is_any_turn()) {
-        outcome = solve(model, problem, &unknowns, Seen::FromBase, Steps::Quartic);
     }
     outcome
 }
@@ -229,7 +226,6 @@ fn solve(
     problem: &Problem,
     unknowns: &unknowns::Unknowns,
     seen: Seen,
-    steps: Steps,
 ) -> Result<Derivation, Refusal> {
     let mut arena = Arena::default();
     let closure =
@@ -250,7 +246,7 @@ fn solve(
         samples,
         found: Vec::new(),
     };
-    match search::run(&arena, start, steps) {
+    match search::run(&arena, start, Steps::Quadratic) {
         Ok(Some(end)) => Ok(writing::write(arena, model, problem, unknowns, &end)),
         _ => Err(Refusal::NoClosedForm),
     }

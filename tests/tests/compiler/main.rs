@@ -14,6 +14,7 @@ mod layering;
 mod mounted;
 mod nopanic;
 mod oracle;
+mod position_direction;
 mod printed_text;
 mod random;
 mod reachable;

@@ -137,7 +137,8 @@ impl Walker<'_> {
         transform::sub(self.arena, origin, base.translation)
     }
 
-    /// The tool's z axis, and the point on it from which the tool point is along that axis only: nothing of the turn about it.
+    /// The direction of the tool's z axis, and the foot on it of the common normal with the last joint's axis: both are known, and
+    /// neither changes with a turn about that axis.
     fn axis_and_foot(
         &mut self,
         plain: &crate::model::Chain,
@@ -160,7 +161,7 @@ impl Walker<'_> {
         let target = self.behind_base(&base.rotation, moved, ["px", "py", "pz"], 1)?;
         let along = self.behind_base(&base.rotation, direction, ["zx", "zy", "zz"], 0)?;
         let foot = Tracked {
-            what: "position",
+            what: "foot on the tool's axis",
             letter: "",
             point: true,
             target,
@@ -169,7 +170,7 @@ impl Walker<'_> {
             whole: true,
         };
         let axis = Tracked {
-            what: "direction",
+            what: "direction of the tool's axis",
             letter: "z",
             point: false,
             target: along,

@@ -1,0 +1,135 @@
+//! A point with the direction of the tool's z axis, five joints: which classes of arms have a closed form, and that every
+//! target that joint values give has solutions that meet it, these joint values among them.
+
+use super::classes::{Random, modified_rows, table};
+use dh_codegen::compile;
+use dh_codegen::plan::{Agreement, FunctionKind, Step};
+use dh_codegen::verify::Level;
+use dh_core::{Frame, Kinematics, SolutionSet, Target, TargetKind, residual_tolerance};
+use dh_tests::engine;
+use dh_tests::oracle::Oracle;
+use std::f64::consts::{FRAC_PI_4, PI};
+
+/// Rows as in [`super::classes`]. The axis of the tool meets that of the last joint in the origin of the last row's frame, or
+/// `beside` it, anywhere along that axis.
+const CLASSES: &[(&str, &str, bool, bool)] = &[
+    ("three parallel axes, the next two meet", "LTL L0L L0L 0TL 00L", false, true),
+    ("three parallel axes above a first one that meets them", "0TL L00 L00 0T0 00L", false, true),
+    ("three parallel axes, reversed and coupled", "LTL -L0L CL0L C0TL -00L", false, true),
+    ("axes 4, 5 and the tool's meet, an elbow before", "LTL L0L LTL 0TL 000", false, false),
+    ("axes 4, 5 and the tool's meet, the elbow in a plane", "0TL L00 0T0 0TL 000", false, false),
+    ("a slide before axes that meet", "0TL LT0 P0T 0TL 000", false, false),
+];
+
+/// In place of what `table` writes: a tool whose axis is oblique, or at a right angle to the last joint's, and whose point is
+/// along that axis from where it meets that of the last joint.
+fn with_tool(text: &str, square: bool, beside: bool, random: &mut Random) -> String {
+    let rows = text.split("\n[tool]").next().unwrap_or(text);
+    let degrees = if square { [90.0, 0.0, 0.0] } else { [0; 3].map(|_| 20.0 + 50.0 * random.unit()) };
+    let [(sr, cr), (sp, cp), (sy, cy)] = degrees.map(|angle: f64| angle.to_radians().sin_cos());
+    let axis = [cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr];
+    let (along, foot) = (random.length(), if beside { random.length() } else { 0.0 });
+    let [x, y, z] = axis.map(|entry| entry * along);
+    format!("{rows}\n[tool]\nxyz = [{x}, {y}, {}]\nrpy = {degrees:?}\n{ENTRY}", z + foot)
+}
+
+const ENTRY: &str = "\n[[ik]]\nname = \"aim\"\ntarget = \"position_direction\"\n";
+
+/// The tables of a class: both conventions, square and oblique tools, and rows that are held behind the last joint.
+fn tables(rows: &str, skew: bool, beside: bool, random: &mut Random) -> Vec<String> {
+    let drawn = table(rows, skew, random);
+    let mut tables = Vec::new();
+    for square in [true, false] {
+        let text = with_tool(&drawn, square, beside, random);
+        tables.push(modified_rows(&text));
+        if beside {
+            let held = format!("\n[[joint]]\nfixed = 35\nd = {}\n\n[tool]", random.length());
+            tables.push(text.replace("\n[tool]", &held));
+        }
+        tables.push(text);
+    }
+    tables
+}
+
+#[test]
+fn classes_of_five_joints_have_a_closed_form_that_another_method_confirms() {
+    let mut random = Random(20_261_123);
+    for (class, rows, skew, beside) in CLASSES {
+        for text in tables(rows, *skew, *beside, &mut random) {
+            let output = compile(&text, Level::Full).output.unwrap();
+            let aim = output.plan.functions.iter().find(|f| f.kind == FunctionKind::Inverse(Some(0)));
+            let aim = aim.unwrap_or_else(|| panic!("{class}\n{text}"));
+            let at_once = |step: &Step| matches!(step, Step::General { .. } | Step::Descents { .. });
+            assert!(!aim.steps.iter().any(at_once), "{class}\n{text}");
+            let Some(Agreement { method, poses, agreed }) = &aim.agreement else { panic!("{class}\n{text}") };
+            assert_eq!(poses, agreed, "{class}: {method}\n{text}");
+        }
+    }
+}
+
+fn target_of(pose: &[[f64; 4]; 4]) -> Target {
+    let [x, y, z, _] = *pose;
+    let rows = [x, y, z].map(|[a, b, c, p]| ([a, b, c], p));
+    let frame = Frame { rotation: rows.map(|row| row.0), translation: rows.map(|row| row.1) };
+    Target::of_frame(TargetKind::PositionDirection, &frame)
+}
+
+/// Solves for the point and direction at `q`, which solutions may miss by so much; how far the nearest solution is.
+fn there_and_back(arm: &dyn Kinematics, oracle: &Oracle, q: &[f64], most: f64) -> Result<f64, String> {
+    let pose = oracle.fk(q);
+    let mut set = SolutionSet::new();
+    arm.ik_into("aim", &target_of(&pose), &mut set).map_err(|error| error.to_string())?;
+    let mut nearest = f64::INFINITY;
+    for solution in set.iter() {
+        let found = oracle.fk(solution.q);
+        for (row, wanted) in found.iter().zip(&pose) {
+            let off = (row[2] - wanted[2]).abs().max((row[3] - wanted[3]).abs());
+            if off > most {
+                return Err(format!("{:?} misses by {off:e}", solution.q));
+            }
+        }
+        let joints = solution.q.iter().zip(q).zip(&oracle.chain().joints);
+        let apart = joints.map(|((a, b), row)| {
+            let turns = !oracle.chain().rows[*row].prismatic;
+            if turns { ((a - b + PI).rem_euclid(2.0 * PI) - PI).abs() } else { (a - b).abs() }
+        });
+        nearest = nearest.min(apart.fold(0.0, f64::max));
+    }
+    Ok(nearest)
+}
+
+#[test]
+fn every_point_and_direction_of_an_arm_is_solved() {
+    let mut random = Random(11);
+    for (class, rows, skew, beside) in CLASSES {
+        for text in tables(rows, *skew, *beside, &mut random) {
+            let (oracle, arm) = (Oracle::read(&text).unwrap(), engine::interpreter(&text).unwrap());
+            let chain = oracle.chain();
+            for number in 0..90 {
+                let joints = chain.joints.iter().map(|&row| match (chain.rows[row].prismatic, number % 3) {
+                    (true, _) => random.unit() - 0.5,
+                    (false, 0) => PI * random.symmetric(),
+                    (false, 1) => FRAC_PI_4 * (8.0 * random.unit()).floor(),
+                    _ => 2.0 * FRAC_PI_4 * (4.0 * random.unit()).floor() + 1e-7 * random.symmetric(),
+                });
+                let q: Vec<f64> = joints.collect();
+                // Beside singular poses, solutions are what misses a target by no more than this.
+                let most = if number % 3 == 2 { residual_tolerance::<f64>() * oracle.reach() } else { 2e-11 };
+                let nearest = there_and_back(&*arm, &oracle, &q, most);
+                let nearest = nearest.unwrap_or_else(|error| panic!("{class} at {q:?}: {error}\n{text}"));
+                assert!(number % 3 != 0 || nearest < 1e-7, "{class} at {q:?}: {nearest:e}\n{text}");
+            }
+        }
+    }
+}
+
+/// The last joint turns about the tool's axis: no target says anything of it.
+#[test]
+fn an_arm_whose_last_joint_only_turns_the_tool_is_refused() {
+    let mut random = Random(3);
+    let rows = table("LTL L0L L0L 0TL 00L", false, &mut random);
+    let rows = rows.split("\n[tool]").next().unwrap();
+    let compilation = compile(&format!("{rows}\n[tool]\nxyz = [0, 0, 0.1]\n{ENTRY}"), Level::Full);
+    let text = format!("{:?}", compilation.diagnostics);
+    assert!(text.contains("4 of the 5 ways"), "{text}");
+}
