@@ -82,3 +82,39 @@ fn by_common_normal(link: &Link, reach: f64) -> Link {
     ];
     Link { elements: elements.into_iter().flatten().collect(), ..link.clone() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn element(axis: usize, turns: bool, size: f64) -> Element {
+        let (name, note) = (String::new(), String::new());
+        if turns {
+            Element::Rotate { axis, angle: Angle::from_radians(size), name, note }
+        } else {
+            Element::Translate { axis, value: size, name, note }
+        }
+    }
+
+    /// Square ones, parallel ones, ones that point back, and any.
+    #[test]
+    fn the_axis_and_the_point_are_those_of_the_link() {
+        let sizes = [0.0, 0.5, -0.25, FRAC_PI_2, -FRAC_PI_2, PI, 1.1, -2.3];
+        let mut state = 1_usize;
+        let mut draw = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) % 8
+        };
+        for _ in 0..2000 {
+            let drawn = (0..6).map(|place| element(draw() % 3, place % 2 == 0, sizes[draw()]));
+            let link = Link { elements: drawn.collect(), ..Link::default() };
+            let step = by_common_normal(&link, 1.0);
+            assert!(is_step(&step.elements), "{link:?}");
+            let (was, is) = (Transform::of_link(&link), Transform::of_link(&step));
+            let pairs = was.axis().into_iter().zip(is.axis());
+            for (a, b) in pairs.chain(was.translation.into_iter().zip(is.translation)) {
+                assert!((a - b).abs() < 1e-10, "{link:?}: {was:?}, {is:?}");
+            }
+        }
+    }
+}

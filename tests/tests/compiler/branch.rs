@@ -251,9 +251,9 @@ fn least_singular_value(columns: &[Vec<f64>]) -> f64 {
 
 /// What was seen of an arm.
 #[derive(Default, Debug)]
-struct Seen {
+pub(super) struct Seen {
     /// Steps of paths.
-    steps: usize,
+    pub(super) steps: usize,
     /// Targets whose solutions were told apart.
     targets: usize,
 }
@@ -306,7 +306,12 @@ fn walk(case: &Case<'_>, random: &mut Random, paths: u32, steps: u32) -> Result<
 }
 
 /// Every problem of an arm.
-fn check(arm: &dyn Kinematics, random: &mut Random, paths: u32, most: usize) -> Result<Seen, String> {
+pub(super) fn check(
+    arm: &dyn Kinematics,
+    random: &mut Random,
+    paths: u32,
+    most: usize,
+) -> Result<Seen, String> {
     let mut all = Seen::default();
     for info in arm.problems() {
         let case = Case { most, ..Case::new(arm, *info) };

@@ -1,11 +1,12 @@
 //! A point with the direction of the tool's z axis, five joints: which classes of arms have a closed form, and that every
 //! target that joint values give has solutions that meet it, these joint values among them.
 
+use super::branch::check;
 use super::classes::{Random, modified_rows, table};
 use dh_codegen::compile;
 use dh_codegen::plan::{Agreement, FunctionKind, Step};
 use dh_codegen::verify::Level;
-use dh_core::{Frame, Kinematics, SolutionSet, Target, TargetKind, residual_tolerance};
+use dh_core::{Frame, Kinematics, Seed, SolutionSet, Target, TargetKind, residual_tolerance};
 use dh_tests::engine;
 use dh_tests::oracle::Oracle;
 use std::f64::consts::{FRAC_PI_4, PI};
@@ -120,6 +121,56 @@ fn every_point_and_direction_of_an_arm_is_solved() {
                 assert!(number % 3 != 0 || nearest < 1e-7, "{class} at {q:?}: {nearest:e}\n{text}");
             }
         }
+    }
+}
+
+/// A seed that is a solution is found, though the target leaves a joint free.
+#[test]
+fn a_seed_is_found_where_axes_are_aligned() {
+    let mut random = Random(17);
+    for (class, rows, skew, beside) in CLASSES {
+        for text in tables(rows, *skew, *beside, &mut random) {
+            let (oracle, arm) = (Oracle::read(&text).unwrap(), engine::interpreter(&text).unwrap());
+            for _ in 0..60 {
+                let q: Vec<f64> = (0..arm.dof())
+                    .map(|_| match random.unit() {
+                        any if any < 0.4 => any * 2.0,
+                        any => ((any * 20.0).floor() - 12.0) * FRAC_PI_4,
+                    })
+                    .collect();
+                let target = target_of(&oracle.fk(&q));
+                let mut set = SolutionSet::new();
+                arm.ik_seeded_into("aim", &target, &[], Some(Seed::new(&q)), &mut set)
+                    .unwrap_or_else(|error| panic!("{class} at {q:?}: {error}\n{text}"));
+                let apart = |found: &[f64]| {
+                    let joints = found.iter().zip(&q).map(|(a, b)| (a - b + PI).rem_euclid(2.0 * PI) - PI);
+                    joints.fold(0.0, |most: f64, apart| most.max(apart.abs()))
+                };
+                let nearest = set.iter().map(|solution| apart(solution.q)).fold(f64::INFINITY, f64::min);
+                // Double roots are known to half of the digits.
+                assert!(nearest < 1e-5, "{class} at {q:?}: {nearest:e}\n{text}");
+            }
+        }
+    }
+}
+
+/// Signs change at singularities only.
+#[test]
+fn branches_stay_along_paths() {
+    let mut random = Random(23);
+    for (class, rows, skew, beside) in CLASSES {
+        let text = with_tool(&table(rows, *skew, &mut random), false, *beside, &mut random);
+        let mut seen = 0;
+        for text in [modified_rows(&text), text] {
+            let arm = engine::interpreter(&text).unwrap();
+            assert!(
+                arm.problems().iter().any(|info| info.name == "aim" && info.branch.len() == 3),
+                "{class}"
+            );
+            let walked = check(&*arm, &mut random, 8, 1);
+            seen += walked.unwrap_or_else(|error| panic!("{class}, {error}\n{text}")).steps;
+        }
+        assert!(seen > 50, "{class}: {seen}");
     }
 }
 
