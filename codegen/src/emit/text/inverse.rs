@@ -26,6 +26,10 @@ pub(super) fn print<'a>(
     let problem = problem.and_then(|index| writer.model.problems.get(index));
     let name = problem.map_or(FULL_POSE, |problem| problem.name.as_str());
     introduction(name, problem, text);
+    let in_steps = matches!(function.steps.as_slice(), [.., Step::Solve { .. }]);
+    if in_steps && problem.is_some_and(|problem| problem.target.is_any_turn()) {
+        text.line(1, OPEN_TURN);
+    }
     for joint in function.free.iter().filter_map(|joint| writer.model.joints.get(*joint)) {
         text.line(1, &format!("given q{}: left to the caller", joint + 1));
     }
@@ -45,6 +49,9 @@ pub(super) fn print<'a>(
     }
     printed.push((name.to_owned(), body));
 }
+
+/// What the steps of a target speak of that says nothing of a turn about the tool's z axis.
+const OPEN_TURN: &str = "left open: how the tool is turned about its z axis; the foot on that axis is where its common normal with the last joint's axis meets it";
 
 /// What is given and held.
 fn introduction(name: &str, problem: Option<&Problem>, text: &mut Text) {
