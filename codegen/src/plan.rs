@@ -105,6 +105,9 @@ pub struct Function {
     /// Inverse problems: every unknown, in the order in which they are found, as a form in the joint values; `None` for
     /// one that no joint of the arm tells.
     pub unknowns: Vec<Option<Form>>,
+    /// Inverse problems that are solved in closed form: what one unit (rad, m) of the unknown of each stage adds to the joint
+    /// values.
+    pub motions: Vec<Vec<f64>>,
     /// Inverse problems: the equations between joint values that are prescribed besides the target.
     pub constraints: Vec<dh_core::ConstraintTerm>,
     /// Inverse problems: the steps whose roots have signs, with a word for each.

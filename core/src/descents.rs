@@ -345,7 +345,7 @@ impl<const K: usize> Search<'_, K> {
             if self.is_on_known_stretch(x) {
                 return false;
             }
-            if let Some(point) = on_curve(self.problem, x, &self.wanted, self.aside) {
+            if let Some(point) = on_curve(self.problem, x, &self.wanted, self.aside, K) {
                 return self.add_curve(x, tip, &point);
             }
         }
@@ -372,7 +372,7 @@ impl<const K: usize> Search<'_, K> {
         };
         let new = self.known.insert(&padded(&known), 0.0);
         if let (true, Some(x)) = (new, handed) {
-            self.hand_on(&x, Some(nearest.joint), 0.0);
+            self.hand_on(&x, nearest.joint, 0.0);
         }
         new
     }

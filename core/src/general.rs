@@ -39,7 +39,7 @@ use crate::Frame;
 pub use chart::Chart;
 use circuit::Circuit;
 use closer::View;
-pub(crate) use continuum::{Equations, OnCurve, beside, is_singular, on_curve, rank};
+pub(crate) use continuum::{Equations, OnCurve, beside, on_curve, rank};
 pub(crate) use jacobian::moved;
 pub(crate) use known::{Known, same};
 pub(crate) use linear::solve;

@@ -34,6 +34,7 @@ mod rules;
 mod search;
 mod seed;
 mod selection;
+mod self_motion;
 mod sine;
 mod solution_set;
 mod solutions;

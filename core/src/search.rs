@@ -4,6 +4,7 @@
 mod conditions;
 mod free;
 mod general;
+mod marks;
 mod near;
 mod polynomial;
 mod pose;

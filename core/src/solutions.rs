@@ -82,15 +82,26 @@ impl<const N: usize, S: Float> Solutions<N, S> {
     /// Adds a solution, unless it is there already, whole turns aside; of the two the one with the smaller residual
     /// stays. Where the set is full the solution is counted in [`Solutions::dropped`] instead.
     pub fn push(&mut self, solution: Solution<N, S>, windings: &[Winding<'_, S>]) {
-        for known in self.as_mut_slice() {
-            if !differ(&known.q, &solution.q, windings) && same(&known.q, &solution.q, windings) {
-                if solution.residual() < known.residual() {
-                    *known = solution;
-                }
-                return;
-            }
+        let twin = |known: &Solution<N, S>| {
+            !differ(&known.q, &solution.q, windings) && same(&known.q, &solution.q, windings)
+        };
+        let Some(first) = self.iter().position(&twin) else { return self.append(solution) };
+        let twins = || self.iter().skip(first).filter(|known| twin(known));
+        if twins().any(|known| known.residual() <= solution.residual()) {
+            return;
         }
-        self.append(solution);
+        // Between two that are not the same there may be one that is the same as either.
+        let more = twins().nth(1).is_some();
+        if let Some(known) = self.items.get_mut(first) {
+            *known = solution;
+        }
+        if more {
+            let mut place = 0;
+            self.retain(|known| {
+                place += 1;
+                place <= first + 1 || !twin(known)
+            });
+        }
     }
 
     /// Adds a solution if it is another than those that are there, whole turns aside; says whether it is.
@@ -144,9 +155,13 @@ impl<const N: usize, S: Float> Solutions<N, S> {
         if !self.as_slice().iter().any(meets) {
             return;
         }
+        self.retain(meets);
+    }
+
+    fn retain(&mut self, mut keeps: impl FnMut(&Solution<N, S>) -> bool) {
         let all = self.items;
         let len = core::mem::take(&mut self.len);
-        for solution in all.iter().take(len).filter(|solution| meets(solution)) {
+        for solution in all.iter().take(len).filter(|solution| keeps(solution)) {
             self.append(*solution);
         }
     }

@@ -74,6 +74,11 @@ impl Step {
         if self.prismatic { reach } else { S::PI }
     }
 
+    /// What its unknown is measured in beside others: 1 (rad), or the reach (m).
+    pub(crate) fn unit<S: Float>(self, reach: S) -> S {
+        if self.prismatic { reach } else { S::ONE }
+    }
+
     /// Whether the excess of [`IkError::Unreachable`](crate::IkError::Unreachable) is in metres rather than a ratio.
     pub const fn excess_is_length(&self) -> bool {
         self.prismatic || matches!(self.measure, Measure::Length)

@@ -182,3 +182,16 @@ fn where_no_value_of_a_free_joint_helps_the_best_one_says_why() {
     let Err(IkError::Unreachable { excess, .. }) = search.finish() else { panic!() };
     assert!((excess - 0.5).abs() < 1e-9, "{excess}");
 }
+
+/// Of three in a row, each next to the one before, the one between is the same as either.
+#[test]
+fn what_is_between_two_solutions_replaces_both() {
+    let mut search = Search::<1>::new(1.0, &[]);
+    search.accept([1.0], 1e-9, 0.0);
+    search.accept([1.0 + 4e-7], 1e-9, 0.0);
+    search.accept([1.0 + 2e-7], 1e-12, 0.0);
+    search.accept([1.0 + 2e-7], 1e-12, 0.0);
+    search.accept([1.0 + 4e-7], 1e-10, 0.0);
+    let solutions = search.finish().unwrap();
+    assert!(solutions.len() == 1 && solutions[0].q == [1.0 + 2e-7], "{solutions:?}");
+}

@@ -882,6 +882,33 @@ fn solve_pose(
     const THETA6: Step = Step::new(3, 0b10_0000, false, Measure::Ratio);
     const THETA5: Step = Step::new(4, 0b1_0000, false, Measure::Ratio);
     const THETA7: Step = Step::new(5, 0b100_0000, false, Measure::Ratio);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 7]); 6] = [
+        (
+            THETA4,
+            [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA1,
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA2,
+            [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA6,
+            [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+        ),
+        (
+            THETA5,
+            [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
+        ),
+        (
+            THETA7,
+            [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+        ),
+    ];
 
     let pose = target.validate_pose()?;
     let [_, _, r13, px, _, _, r23, py, r31, r32, r33, pz] = pose.rows();
@@ -990,7 +1017,7 @@ fn solve_pose(
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &Target::Pose(pose), pose_and_jacobian)
 }
 
 /// Every solution of `planar`.
@@ -999,6 +1026,21 @@ fn solve_planar(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<7>,
     const THETA4: Step = Step::new(0, 0b1000, false, Measure::Area);
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Length);
     const THETA1: Step = Step::new(2, 0b1, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 7]); 3] = [
+        (
+            THETA4,
+            [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA2,
+            [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA1,
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+    ];
 
     let target = target.validate_as(TargetKind::Position)?;
     let [px, py, pz] = target.numbers().array();
@@ -1045,7 +1087,7 @@ fn solve_planar(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<7>,
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &target, pose_and_jacobian)
 }
 
 /// Every solution of `wrist_down`.
@@ -1054,6 +1096,21 @@ fn solve_wrist_down(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions
     const THETA4: Step = Step::new(0, 0b1000, false, Measure::Area);
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Length);
     const THETA1: Step = Step::new(2, 0b1, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 7]); 3] = [
+        (
+            THETA4,
+            [0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0],
+        ),
+        (
+            THETA2,
+            [0.0, 1.0, 0.0, 0.0, 0.0, -1.0, 0.0],
+        ),
+        (
+            THETA1,
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+    ];
 
     let target = target.validate_as(TargetKind::Position)?;
     let [px, py, pz] = target.numbers().array();
@@ -1104,7 +1161,7 @@ fn solve_wrist_down(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &target, pose_and_jacobian)
 }
 
 impl Kinematics for CraneX7 {

@@ -462,6 +462,8 @@ fn tool_point(q: &[f64; 2]) -> [f64; 3] {
 fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Ratio);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 2]); 2] = [(THETA1, [1.0, 0.0]), (THETA2, [0.0, 1.0])];
 
     let pose = target.validate_pose()?;
     let [r11, _, _, px, r21, _, _, py, _, _, _, _] = pose.rows();
@@ -491,7 +493,7 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, I
             search.accept_pose(q, &tool, &pose, pose_and_jacobian);
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &Target::Pose(pose), pose_and_jacobian)
 }
 
 /// Every solution of `xy`.
@@ -499,6 +501,8 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, I
 fn solve_xy(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     const THETA2: Step = Step::new(0, 0b10, false, Measure::Area);
     const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 2]); 2] = [(THETA2, [0.0, 1.0]), (THETA1, [1.0, 0.0])];
 
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
@@ -528,7 +532,7 @@ fn solve_xy(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkE
             search.accept(q, position_error, rotation_error);
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &target, pose_and_jacobian)
 }
 
 /// Every solution of `xy_elbow_up`.
@@ -536,6 +540,8 @@ fn solve_xy(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkE
 fn solve_xy_elbow_up(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     const THETA2: Step = Step::new(0, 0b10, false, Measure::Area);
     const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 2]); 2] = [(THETA2, [0.0, 1.0]), (THETA1, [1.0, 0.0])];
 
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
@@ -567,7 +573,7 @@ fn solve_xy_elbow_up(target: &Target, seed: Option<Seed<'_>>) -> Result<Solution
             search.accept_where(q, position_error, rotation_error, &conditions);
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &target, pose_and_jacobian)
 }
 
 impl Kinematics for CraneX7Planar {

@@ -516,6 +516,21 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<3>, I
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Ratio);
     const THETA23: Step = Step::new(1, 0b110, false, Measure::Ratio);
     const THETA3: Step = Step::new(2, 0b100, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 3]); 3] = [
+        (
+            THETA1,
+            [1.0, 0.0, 0.0],
+        ),
+        (
+            THETA23,
+            [0.0, 1.0, 0.0],
+        ),
+        (
+            THETA3,
+            [0.0, -1.0, 1.0],
+        ),
+    ];
 
     let pose = target.validate_pose()?;
     let [r11, _, r13, px, r21, _, r23, py, r31, _, _, pz] = pose.rows();
@@ -563,7 +578,7 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<3>, I
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &Target::Pose(pose), pose_and_jacobian)
 }
 
 /// Every solution of `position`.
@@ -572,6 +587,21 @@ fn solve_position(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<3
     const THETA3: Step = Step::new(0, 0b100, false, Measure::Area);
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Length);
     const THETA1: Step = Step::new(2, 0b1, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 3]); 3] = [
+        (
+            THETA3,
+            [0.0, 0.0, 1.0],
+        ),
+        (
+            THETA2,
+            [0.0, 1.0, 0.0],
+        ),
+        (
+            THETA1,
+            [1.0, 0.0, 0.0],
+        ),
+    ];
 
     let target = target.validate_as(TargetKind::Position)?;
     let [px, py, pz] = target.numbers().array();
@@ -614,7 +644,7 @@ fn solve_position(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<3
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &target, pose_and_jacobian)
 }
 
 /// Every solution of `position_elbow_up`.
@@ -626,6 +656,21 @@ fn solve_position_elbow_up(
     const THETA3: Step = Step::new(0, 0b100, false, Measure::Area);
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Length);
     const THETA1: Step = Step::new(2, 0b1, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 3]); 3] = [
+        (
+            THETA3,
+            [0.0, 0.0, 1.0],
+        ),
+        (
+            THETA2,
+            [0.0, 1.0, 0.0],
+        ),
+        (
+            THETA1,
+            [1.0, 0.0, 0.0],
+        ),
+    ];
 
     let target = target.validate_as(TargetKind::Position)?;
     let [px, py, pz] = target.numbers().array();
@@ -670,7 +715,7 @@ fn solve_position_elbow_up(
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &target, pose_and_jacobian)
 }
 
 impl Kinematics for Elbow3R {

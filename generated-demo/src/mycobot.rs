@@ -713,6 +713,33 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, I
     const THETA234: Step = Step::new(3, 0b1110, false, Measure::Ratio);
     const THETA3: Step = Step::new(4, 0b100, false, Measure::Area);
     const THETA4: Step = Step::new(5, 0b1000, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 6]); 6] = [
+        (
+            THETA1,
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA5,
+            [0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+        ),
+        (
+            THETA6,
+            [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+        ),
+        (
+            THETA234,
+            [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA3,
+            [0.0, -1.0, 1.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA4,
+            [0.0, -1.0, 0.0, 1.0, 0.0, 0.0],
+        ),
+    ];
 
     let pose = target.validate_pose()?;
     let [r11, r12, r13, px, r21, r22, r23, py, _, _, r33, pz] = pose.rows();
@@ -831,7 +858,7 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, I
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &Target::Pose(pose), pose_and_jacobian)
 }
 
 /// Every solution of `tool_down`.
@@ -840,6 +867,21 @@ fn solve_tool_down(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA3: Step = Step::new(1, 0b100, false, Measure::Area);
     const THETA2: Step = Step::new(2, 0b10, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 6]); 3] = [
+        (
+            THETA1,
+            [1.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+        ),
+        (
+            THETA3,
+            [0.0, 0.0, 1.0, -1.0, 0.0, 0.0],
+        ),
+        (
+            THETA2,
+            [0.0, 1.0, 0.0, -1.0, 0.0, 0.0],
+        ),
+    ];
 
     let target = target.validate_as(TargetKind::Position)?;
     let [px, py, pz] = target.numbers().array();
@@ -889,7 +931,7 @@ fn solve_tool_down(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &target, pose_and_jacobian)
 }
 
 /// Every solution of `tool_down_elbow_up`.
@@ -901,6 +943,21 @@ fn solve_tool_down_elbow_up(
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA3: Step = Step::new(1, 0b100, false, Measure::Area);
     const THETA2: Step = Step::new(2, 0b10, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 6]); 3] = [
+        (
+            THETA1,
+            [1.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+        ),
+        (
+            THETA3,
+            [0.0, 0.0, 1.0, -1.0, 0.0, 0.0],
+        ),
+        (
+            THETA2,
+            [0.0, 1.0, 0.0, -1.0, 0.0, 0.0],
+        ),
+    ];
 
     let target = target.validate_as(TargetKind::Position)?;
     let [px, py, pz] = target.numbers().array();
@@ -952,7 +1009,7 @@ fn solve_tool_down_elbow_up(
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &target, pose_and_jacobian)
 }
 
 impl Kinematics for MyCobot280Pi {

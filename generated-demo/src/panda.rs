@@ -787,6 +787,33 @@ fn solve_pose(
     const THETA2: Step = Step::new(3, 0b10, false, Measure::Ratio);
     const THETA3: Step = Step::new(4, 0b100, false, Measure::Ratio);
     const THETA1: Step = Step::new(5, 0b1, false, Measure::Ratio);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 7]); 6] = [
+        (
+            THETA4,
+            [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA6,
+            [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+        ),
+        (
+            THETA5,
+            [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
+        ),
+        (
+            THETA2,
+            [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA3,
+            [0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA1,
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+    ];
 
     let pose = target.validate_pose()?;
     let [r11, r12, r13, px, r21, r22, r23, py, r31, r32, r33, pz] = pose.rows();
@@ -924,7 +951,7 @@ fn solve_pose(
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &Target::Pose(pose), pose_and_jacobian)
 }
 
 /// Every solution of `tool_down`.
@@ -934,6 +961,25 @@ fn solve_tool_down(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<
     const THETA7: Step = Step::new(1, 0b100_0000, false, Measure::Ratio);
     const THETA4: Step = Step::new(2, 0b1000, false, Measure::Area);
     const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 7]); 4] = [
+        (
+            THETA1,
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA7,
+            [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+        ),
+        (
+            THETA4,
+            [0.0, 0.0, 0.0, 1.0, 0.0, -1.0, 0.0],
+        ),
+        (
+            THETA2,
+            [0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+        ),
+    ];
 
     let target = target.validate_as(TargetKind::PositionYaw)?;
     let [px, py, pz, cyaw, syaw] = target.numbers().array();
@@ -998,7 +1044,7 @@ fn solve_tool_down(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &target, pose_and_jacobian)
 }
 
 impl Kinematics for Panda {

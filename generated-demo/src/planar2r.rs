@@ -529,6 +529,8 @@ fn tool_point(q: &[f64; 2]) -> [f64; 3] {
 fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Ratio);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 2]); 2] = [(THETA1, [1.0, 0.0]), (THETA2, [0.0, 1.0])];
 
     let pose = target.validate_pose()?;
     let [r11, _, _, px, r21, _, _, py, _, _, _, _] = pose.rows();
@@ -558,7 +560,7 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, I
             search.accept_pose(q, &tool, &pose, pose_and_jacobian);
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &Target::Pose(pose), pose_and_jacobian)
 }
 
 /// Every solution of `xy`.
@@ -566,6 +568,8 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, I
 fn solve_xy(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     const THETA2: Step = Step::new(0, 0b10, false, Measure::Area);
     const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 2]); 2] = [(THETA2, [0.0, 1.0]), (THETA1, [1.0, 0.0])];
 
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
@@ -595,7 +599,7 @@ fn solve_xy(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkE
             search.accept(q, position_error, rotation_error);
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &target, pose_and_jacobian)
 }
 
 /// Every solution of `xy_elbow_up`.
@@ -603,6 +607,8 @@ fn solve_xy(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkE
 fn solve_xy_elbow_up(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     const THETA2: Step = Step::new(0, 0b10, false, Measure::Area);
     const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 2]); 2] = [(THETA2, [0.0, 1.0]), (THETA1, [1.0, 0.0])];
 
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
@@ -634,7 +640,7 @@ fn solve_xy_elbow_up(target: &Target, seed: Option<Seed<'_>>) -> Result<Solution
             search.accept_where(q, position_error, rotation_error, &conditions);
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &target, pose_and_jacobian)
 }
 
 /// Every solution of `xy_elbow_down`.
@@ -642,6 +648,8 @@ fn solve_xy_elbow_up(target: &Target, seed: Option<Seed<'_>>) -> Result<Solution
 fn solve_xy_elbow_down(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     const THETA2: Step = Step::new(0, 0b10, false, Measure::Area);
     const THETA1: Step = Step::new(1, 0b1, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 2]); 2] = [(THETA2, [0.0, 1.0]), (THETA1, [1.0, 0.0])];
 
     let target = target.validate_as(TargetKind::Xy)?;
     let [px, py] = target.numbers().array();
@@ -673,7 +681,7 @@ fn solve_xy_elbow_down(target: &Target, seed: Option<Seed<'_>>) -> Result<Soluti
             search.accept_where(q, position_error, rotation_error, &conditions);
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &target, pose_and_jacobian)
 }
 
 impl Kinematics for Planar2R {

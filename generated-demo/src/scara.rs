@@ -462,6 +462,25 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<4>, I
     const THETA12M4: Step = Step::new(1, 0b1011, false, Measure::Ratio);
     const THETA4: Step = Step::new(2, 0b1000, false, Measure::Area).unsigned();
     const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 4]); 4] = [
+        (
+            D3,
+            [0.0, 0.0, 1.0, 0.0],
+        ),
+        (
+            THETA12M4,
+            [1.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA4,
+            [1.0, 0.0, 0.0, 1.0],
+        ),
+        (
+            THETA2,
+            [-1.0, 1.0, 0.0, 0.0],
+        ),
+    ];
 
     let pose = target.validate_pose()?;
     let [r11, _, _, px, r21, _, _, py, _, _, _, pz] = pose.rows();
@@ -510,7 +529,7 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<4>, I
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &Target::Pose(pose), pose_and_jacobian)
 }
 
 /// Every solution of `place`.
@@ -520,6 +539,25 @@ fn solve_place(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<4>, 
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Area);
     const THETA1: Step = Step::new(2, 0b1, false, Measure::Length);
     const THETA4: Step = Step::new(3, 0b1000, false, Measure::Ratio);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 4]); 4] = [
+        (
+            D3,
+            [0.0, 0.0, 1.0, 0.0],
+        ),
+        (
+            THETA2,
+            [0.0, 1.0, 0.0, 0.0],
+        ),
+        (
+            THETA1,
+            [1.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA4,
+            [0.0, 0.0, 0.0, 1.0],
+        ),
+    ];
 
     let target = target.validate_as(TargetKind::PositionYaw)?;
     let [px, py, pz, cyaw, syaw] = target.numbers().array();
@@ -565,7 +603,7 @@ fn solve_place(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<4>, 
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &target, pose_and_jacobian)
 }
 
 impl Kinematics for Cobra600 {

@@ -537,7 +537,11 @@ fn tool_point(q: &[f64; 6]) -> [f64; 3] {
 }
 
 /// Every solution of the full pose.
-#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(
+    clippy::similar_names,
+    clippy::too_many_lines,
+    reason = "the names are those of the equations"
+)]
 fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Length);
@@ -545,6 +549,33 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, I
     const THETA5: Step = Step::new(3, 0b1_0000, false, Measure::Ratio);
     const THETA4: Step = Step::new(4, 0b1000, false, Measure::Ratio);
     const THETA6: Step = Step::new(5, 0b10_0000, false, Measure::Ratio);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 6]); 6] = [
+        (
+            THETA1,
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA2,
+            [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            D3,
+            [0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA5,
+            [0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+        ),
+        (
+            THETA4,
+            [0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
+        ),
+        (
+            THETA6,
+            [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+        ),
+    ];
 
     let pose = target.validate_pose()?;
     let [r11, _, r13, px, r21, _, r23, py, r31, _, r33, pz] = pose.rows();
@@ -628,7 +659,7 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, I
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &Target::Pose(pose), pose_and_jacobian)
 }
 
 impl Kinematics for StanfordArm {

@@ -506,6 +506,25 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<4>, I
     const THETA5: Step = Step::new(1, 0b1_0000, false, Measure::Ratio);
     const THETA3: Step = Step::new(2, 0b100, false, Measure::Area).unsigned();
     const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 4]); 4] = [
+        (
+            THETA1,
+            [1.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA5,
+            [0.0, 0.0, 0.0, 1.0],
+        ),
+        (
+            THETA3,
+            [0.0, 0.0, -1.0, 0.0],
+        ),
+        (
+            THETA2,
+            [0.0, 1.0, -1.0, 0.0],
+        ),
+    ];
 
     let pose = target.validate_pose()?;
     let [r11, _, r13, px, r21, _, r23, py, _, _, r33, pz] = pose.rows();
@@ -564,7 +583,7 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<4>, I
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &Target::Pose(pose), pose_and_jacobian)
 }
 
 /// Every solution of `place`.
@@ -574,6 +593,25 @@ fn solve_place(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<4>, 
     const THETA5: Step = Step::new(1, 0b1_0000, false, Measure::Ratio);
     const THETA3: Step = Step::new(2, 0b100, false, Measure::Area);
     const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 4]); 4] = [
+        (
+            THETA1,
+            [1.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA5,
+            [0.0, 0.0, 0.0, 1.0],
+        ),
+        (
+            THETA3,
+            [0.0, 0.0, -1.0, 0.0],
+        ),
+        (
+            THETA2,
+            [0.0, 1.0, -1.0, 0.0],
+        ),
+    ];
 
     let target = target.validate_as(TargetKind::PositionYaw)?;
     let [px, py, pz, cyaw, syaw] = target.numbers().array();
@@ -627,7 +665,7 @@ fn solve_place(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<4>, 
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &target, pose_and_jacobian)
 }
 
 impl Kinematics for UArmSwiftPro {

@@ -715,6 +715,33 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, I
     const THETA5: Step = Step::new(3, 0b1_0000, false, Measure::Ratio);
     const THETA4: Step = Step::new(4, 0b1000, false, Measure::Ratio);
     const THETA6: Step = Step::new(5, 0b10_0000, false, Measure::Ratio);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 6]); 6] = [
+        (
+            THETA1,
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA3,
+            [0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA2,
+            [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA5,
+            [0.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+        ),
+        (
+            THETA4,
+            [0.0, 0.0, 0.0, 1.0, 0.0, 0.0],
+        ),
+        (
+            THETA6,
+            [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+        ),
+    ];
 
     let pose = target.validate_pose()?;
     let [_, r12, r13, px, _, r22, r23, py, _, r32, r33, pz] = pose.rows();
@@ -823,16 +850,39 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, I
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &Target::Pose(pose), pose_and_jacobian)
 }
 
 /// Every solution of `tool_down`.
-#[allow(clippy::similar_names, reason = "the names are those of the equations")]
+#[allow(
+    clippy::similar_names,
+    clippy::too_many_lines,
+    reason = "the names are those of the equations"
+)]
 fn solve_tool_down(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<6>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA6: Step = Step::new(1, 0b10_0000, false, Measure::Ratio);
     const THETA3: Step = Step::new(2, 0b100, false, Measure::Area);
     const THETA2: Step = Step::new(3, 0b10, false, Measure::Length);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 6]); 4] = [
+        (
+            THETA1,
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        ),
+        (
+            THETA6,
+            [0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+        ),
+        (
+            THETA3,
+            [0.0, 0.0, 1.0, 0.0, -1.0, 0.0],
+        ),
+        (
+            THETA2,
+            [0.0, 1.0, 0.0, 0.0, -1.0, 0.0],
+        ),
+    ];
 
     let target = target.validate_as(TargetKind::PositionYaw)?;
     let [px, py, pz, cyaw, syaw] = target.numbers().array();
@@ -907,7 +957,7 @@ fn solve_tool_down(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<
             }
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &target, pose_and_jacobian)
 }
 
 impl Kinematics for VS068 {

@@ -123,6 +123,7 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         outputs: Vec::new(),
         counts: Counts::default(),
         stages: vec![stage],
+        motions: Vec::new(),
         unknowns: in_joints(&rows, given),
         constraints: super::constraints::of(model, index),
         branch: whole.then(|| BranchBit::new(0, BranchWord::Determinant, row)).into_iter().collect(),

@@ -147,7 +147,7 @@ impl<'m, S: Float> Program<'m, S> {
             search: Searching::Exact(Search::about(reach, windings, &wanted).with_given(&names.free)),
         };
         run.run(&mut registers);
-        Some(run.search.finish())
+        Some(run.finish())
     }
 
     /// The first condition of a problem of the model that joint values (rad or m) break.

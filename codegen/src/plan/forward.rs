@@ -34,6 +34,7 @@ fn function(kind: FunctionKind, equations: &Equations, joints: usize, constants:
         counts: scheduler.counts,
         stages: Vec::new(),
         unknowns: Vec::new(),
+        motions: Vec::new(),
         constraints: Vec::new(),
         branch: Vec::new(),
         agreement: None,

@@ -100,6 +100,7 @@ pub(super) fn function(model: &Model, index: Option<usize>, problem: &Problem) -
         counts: Counts::default(),
         stages: vec![stage],
         unknowns,
+        motions: Vec::new(),
         constraints: super::constraints::of(model, index),
         branch,
         agreement: None,

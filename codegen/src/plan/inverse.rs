@@ -6,7 +6,7 @@ use super::{Equation, Function, FunctionKind, Measure, Scalar, Stage, Step};
 use super::{descents, near};
 use crate::model::{Model, Problem, Target};
 use crate::symbolic::expression::Expr;
-use crate::symbolic::inverse_kinematics::{self, Derivation, Refusal, StageEquation};
+use crate::symbolic::inverse_kinematics::{self, Derivation, Linear, Refusal, StageEquation};
 use crate::symbolic::redundancy;
 use dh_core::FULL_POSE;
 
@@ -163,6 +163,8 @@ pub(super) fn function(
     let branch = super::branch::bits(model, problem.target, &stages, derivation.begins);
     let given = derivation.given.len();
     let unknowns = unknowns::of(&derivation.joints, given, given + stages.len());
+    let motions =
+        (given..given + stages.len()).map(|variable| motion(&derivation.joints, variable)).collect();
     steps.extend(nested(&mut scheduler, derivation, polish, 0));
     Function {
         kind: FunctionKind::Inverse(index),
@@ -174,10 +176,19 @@ pub(super) fn function(
         counts: scheduler.counts,
         stages,
         unknowns,
+        motions,
         constraints: super::constraints::of(model, index),
         branch,
         agreement: None,
     }
+}
+
+/// What one unit of a variable adds to the joint values.
+fn motion(joints: &[Linear], variable: usize) -> Vec<f64> {
+    let share = |joint: &Linear| {
+        joint.terms.iter().filter(|(of, _)| *of == variable).fold(0.0, |sum, (_, factor)| sum + factor)
+    };
+    joints.iter().map(share).collect()
 }
 
 /// The steps from a stage on, inside the loop over the roots of the one before.

@@ -78,6 +78,7 @@ fn function(
     });
     // Where a seed matters, the table is solved as it is, and branches are the arm's own.
     function.unknowns = otherwise.unknowns;
+    function.motions = otherwise.motions;
     let after = u8::try_from(function.stages.len()).ok()?;
     function.branch =
         otherwise.branch.into_iter().map(|bit| BranchBit { step: bit.step + after, ..bit }).collect();

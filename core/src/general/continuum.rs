@@ -18,14 +18,27 @@ const BESIDE: [f64; 6] = [0.02, -0.02, 0.06, -0.06, 0.2, -0.2];
 /// How far (rad, reaches) joint values are moved to see whether there is a curve.
 const TRIALS: [f64; 3] = [0.02, 0.05, 0.1];
 
+/// An unknown that takes less part than this in a direction of length 1 takes none.
+const PART: f64 = 0.01;
+
 /// The longest step along a curve (rad, reaches).
 const LONGEST: f64 = 0.25;
 
 /// How many steps along a curve are made.
 const MOST: usize = 80;
 
+/// Steps (rad, reaches) in which a curve is followed as a whole, and how many on either side.
+const STRIDE: f64 = 0.15;
+const STRIDES: usize = 160;
+
+/// Points that are no farther (rad, reaches) than this from the line between two such steps are on the curve, if on any.
+const BESIDE_CHORD: f64 = 0.05;
+
 /// Steps from a point beside a curve onto it at most: two or three where it is regular.
 const STEPS: usize = 40;
+
+/// Steps from between two solutions, onto the curve if there is one: more would lead to either.
+const BETWEEN: usize = 2;
 
 /// The nearest point is found when the next step is shorter than this (rad, reaches).
 const ARRIVED: f64 = 1e-10;
@@ -47,25 +60,28 @@ pub(crate) trait Equations<const K: usize> {
 pub(crate) struct OnCurve<const K: usize> {
     /// Values of the unknowns.
     pub(crate) q: [f64; K],
-    /// The one that takes the greatest part.
-    pub(crate) joint: usize,
+    /// Of those that are asked for, the one that takes the greatest part, if one takes any.
+    pub(crate) joint: Option<usize>,
 }
 
 /// Where solutions form a curve through this one: the point of it, downhill from here, that is nearest to what is wanted
 /// (NaN where nothing is), or from there on until the unknown that takes the greatest part has gone so many times pi, half
-/// its period (reaches).
+/// its period (reaches). Only the first `own` unknowns are asked for.
 pub(crate) fn on_curve<const K: usize>(
     equations: &impl Equations<K>,
     start: &[f64; K],
     wanted: &[f64; K],
     aside: f64,
+    own: usize,
 ) -> Option<OnCurve<K>> {
     let curve = Curve(equations);
     let directions = curve.directions(start);
-    let tangent = *directions.as_slice().iter().find(|direction| curve.goes_on(start, direction))?;
+    let ways = || directions.as_slice().iter().filter(|direction| curve.goes_on(start, direction));
+    let tangent = *ways().find(|direction| greatest(direction, own).is_some()).or_else(|| ways().next())?;
     let mut q = curve.nearest(*start, wanted);
-    let joint = greatest(&curve.tangent(&q).unwrap_or(tangent));
-    if aside != 0.0 {
+    let along = curve.directions(&q).part(&tangent);
+    let joint = greatest(&along, own).or(greatest(&tangent, own));
+    if let Some(joint) = joint.filter(|_| aside != 0.0) {
         q = curve.along(q, joint, aside * if equations.slides(joint) { 1.0 } else { core::f64::consts::PI });
     }
     Some(OnCurve { q, joint })
@@ -74,12 +90,6 @@ pub(crate) fn on_curve<const K: usize>(
 /// In how many ways unknowns change what is prescribed, to first order.
 pub(crate) fn rank<const K: usize>(columns: &[[f64; 6]; K]) -> usize {
     K - null_space(columns, SINGULAR).count
-}
-
-/// Whether some unknowns can change with nothing that is prescribed changing faster than this, those whose column is 0 aside.
-pub(crate) fn is_singular<const K: usize>(columns: &[[f64; 6]; K], most: f64) -> bool {
-    let idle = columns.iter().filter(|column| column.iter().all(|x| *x == 0.0)).count();
-    null_space(columns, if most > SINGULAR { most } else { SINGULAR }).count > idle
 }
 
 /// Places beside a solution where another one may be that it nearly meets: such solutions lie along a direction in which
@@ -101,6 +111,7 @@ impl SixJoints<'_> {
         q: &[f64; JOINTS],
         wanted: &[f64; JOINTS],
         aside: f64,
+        own: usize,
     ) -> Option<OnCurve<JOINTS>> {
         let equations = Pose { arm: self.scaled(), target: self.in_reaches(pose) };
         let in_reaches = |q: &[f64; JOINTS]| {
@@ -108,9 +119,73 @@ impl SixJoints<'_> {
             self.each_slide(&mut q, |value| value / self.reach);
             q
         };
-        let mut found = on_curve(&equations, &in_reaches(q), &in_reaches(wanted), aside)?;
+        let mut found = on_curve(&equations, &in_reaches(q), &in_reaches(wanted), aside, own)?;
         self.each_slide(&mut found.q, |value| value * self.reach);
         Some(found)
+    }
+
+    /// Follows the curve of solutions (rad, m) for a pose through one of them as a whole: says of which of `others` it comes by,
+    /// and its point that is nearest to what is wanted.
+    pub(crate) fn follow(
+        &self,
+        pose: &Frame,
+        q: &[f64; JOINTS],
+        wanted: &[f64; JOINTS],
+        others: &(impl Iterator<Item = [f64; JOINTS]> + Clone),
+    ) -> (u64, [f64; JOINTS]) {
+        let equations = Pose { arm: self.scaled(), target: self.in_reaches(pose) };
+        let in_reaches = |q: &[f64; JOINTS]| {
+            let mut q = *q;
+            self.each_slide(&mut q, |value| value / self.reach);
+            q
+        };
+        let (start, wanted) = (in_reaches(q), in_reaches(wanted));
+        let (mut passed, mut nearest) = (0, (start, f64::INFINITY));
+        Curve(&equations).follow(&start, &mut |from, to| {
+            let far = square(&equations.way(to, &wanted));
+            if far < nearest.1 {
+                nearest = (*to, far);
+            }
+            let chord = difference(to, from);
+            for (place, other) in others.clone().enumerate() {
+                let away = equations.way(from, &in_reaches(&other));
+                let share = (dot(&away, &chord) / square(&chord)).clamp(0.0, 1.0);
+                let beside = moved(&away, &chord, -share);
+                if beside.iter().all(|part| libm::fabs(*part) <= BESIDE_CHORD) {
+                    passed |= 1_u64.wrapping_shl(place as u32);
+                }
+            }
+        });
+        let mut nearest = nearest.0;
+        self.each_slide(&mut nearest, |value| value * self.reach);
+        (passed, nearest)
+    }
+
+    /// A solution (rad, m) as near to its pose as steps bring it: where several have met, to the place where they did.
+    pub(crate) fn polished(&self, pose: &Frame, q: &[f64; JOINTS]) -> [f64; JOINTS] {
+        self.brought(pose, q, STEPS).0
+    }
+
+    /// Whether nothing tells two solutions (rad, m) apart: joints may move by themselves at either, to first order, and on the way
+    /// from one to the other, where the pose is met.
+    pub(crate) fn are_one(&self, pose: &Frame, a: &[f64; JOINTS], b: &[f64; JOINTS]) -> bool {
+        let way = Pose { arm: *self, target: *pose }.way(a, b);
+        let is_between = |share: f64| {
+            let (q, met) = self.brought(pose, &moved(a, &way, share), BETWEEN);
+            met && self.is_singular(&q)
+        };
+        way.iter().all(|part| libm::fabs(*part) <= LONGEST)
+            && self.is_singular(a)
+            && self.is_singular(b)
+            && [0.25, 0.5, 0.75].into_iter().all(is_between)
+    }
+
+    /// Joint values (rad, m) after steps towards a pose, and whether they meet it.
+    fn brought(&self, pose: &Frame, q: &[f64; JOINTS], steps: usize) -> ([f64; JOINTS], bool) {
+        let (arm, mut start) = (self.scaled(), *q);
+        self.each_slide(&mut start, |value| value / self.reach);
+        let better = polish(start, &self.in_reaches(pose), 1.0, steps, |q| pose_and_jacobian(&arm, q));
+        (self.in_metres(better.q), better.position_error <= FOUND && better.rotation_error <= FOUND)
     }
 
     /// Whether joints may move by themselves there (rad, m), to first order.
@@ -135,6 +210,17 @@ impl SixJoints<'_> {
 struct Pose<'a> {
     arm: SixJoints<'a>,
     target: Frame,
+}
+
+impl Pose<'_> {
+    /// From joint values to others, by no more than half a turn; 0 where nothing is wanted.
+    fn way(&self, from: &[f64; JOINTS], to: &[f64; JOINTS]) -> [f64; JOINTS] {
+        let mut way = missing(from, to);
+        for (place, part) in way.iter_mut().enumerate() {
+            *part = if self.slides(place) { *part } else { part.wrap_angle() };
+        }
+        way
+    }
 }
 
 impl Equations<JOINTS> for Pose<'_> {
@@ -208,6 +294,36 @@ impl<const K: usize, E: Equations<K>> Curve<'_, K, E> {
         q
     }
 
+    /// Hands every piece of the curve on, to both sides until it closes or ends.
+    fn follow(&self, start: &[f64; K], each: &mut impl FnMut(&[f64; K], &[f64; K])) {
+        let Some(first) = self.tangent(start) else { return };
+        for side in [1.0, -1.0] {
+            let (mut q, mut ahead) = (*start, first.map(|part| side * part));
+            for number in 0..STRIDES {
+                // Of the directions in which what is prescribed stays, the one that goes on as before.
+                let along = self.directions(&q).part(&ahead);
+                let length = libm::sqrt(square(&along));
+                let tangent = along.map(|part| part / length);
+                let next = [1.0, 0.3].iter().find_map(|part| self.step(&q, &tangent, part * STRIDE));
+                let Some(next) = next.filter(|_| length > 0.5) else { break };
+                each(&q, &next);
+                ahead = difference(&next, &q);
+                let size = libm::sqrt(square(&ahead));
+                ahead = ahead.map(|part| part / size);
+                q = next;
+                if number > 1 && self.is_beside(&q, start) {
+                    return;
+                }
+            }
+        }
+    }
+
+    fn is_beside(&self, q: &[f64; K], other: &[f64; K]) -> bool {
+        difference(q, other).iter().enumerate().all(|(place, part)| {
+            libm::fabs(if self.0.slides(place) { *part } else { part.wrap_angle() }) <= STRIDE
+        })
+    }
+
     /// From a point of the curve until an unknown has gone this far (rad, reaches), or the curve turns back.
     fn along(&self, start: [f64; K], joint: usize, distance: f64) -> [f64; K] {
         let own = |q: &[f64; K]| q.get(joint).copied().unwrap_or(0.0);
@@ -247,10 +363,11 @@ fn moved<const N: usize>(q: &[f64; N], direction: &[f64; N], length: f64) -> [f6
     q
 }
 
-/// The place of the greatest entry.
-fn greatest<const K: usize>(direction: &[f64; K]) -> usize {
-    let sizes = direction.iter().map(|part| libm::fabs(*part)).enumerate();
-    sizes.fold((0, 0.0), |best, (place, size)| if size > best.1 { (place, size) } else { best }).0
+/// The place of the greatest of the first `own` entries, if one takes part at all.
+fn greatest<const K: usize>(direction: &[f64; K], own: usize) -> Option<usize> {
+    let sizes = direction.iter().take(own).map(|part| libm::fabs(*part)).enumerate();
+    let greater = |best: (usize, f64), other: (usize, f64)| if other.1 > best.1 { other } else { best };
+    sizes.filter(|(_, size)| *size > PART).reduce(greater).map(|(place, _)| place)
 }
 
 /// Directions of length 1, across each other.

@@ -2,9 +2,10 @@
 
 use super::draw;
 use crate::kinematics::padded;
-use crate::polish::{damped_step, descend};
+use crate::polish::descend;
 use crate::reachable::size;
 use crate::rules::wrap_all;
+use crate::self_motion::free_unknown;
 use crate::solutions::{Solution, Solutions};
 use crate::unknowns::{UNKNOWNS, Unknowns};
 use crate::{
@@ -26,12 +27,6 @@ const SELDOM: u32 = 4;
 
 /// Where it isn't asked, or has no answer, so many starts are made instead.
 const STARTS: u32 = 3;
-
-/// How far (rad, reaches) unknowns are moved to see whether solutions form a curve.
-const TRIAL: f64 = 0.05;
-
-/// What is damped of a step that keeps the target: directions with smaller singular values than this move nothing.
-const STILL: f64 = 1e-6;
 
 /// A problem of a mounted arm with its target.
 pub(super) struct Search<'s, S: Float> {
@@ -171,8 +166,15 @@ impl<'s, S: Float> Search<'s, S> {
     /// it is wanted, and that joint's row.
     fn representative(&self, x: &[S; UNKNOWNS], wanted: Seed<'_, S>) -> ([S; MAX_JOINTS], Option<usize>) {
         let own = self.unknowns.q(x);
-        let Some(place) = self.still(x) else { return (own, None) };
-        let Some(joint) = self.unknowns.joints().get(place).copied() else { return (own, None) };
+        let joints = self.unknowns.joints();
+        let asked = core::array::from_fn(|place| place < joints.len());
+        let place = free_unknown(asked, None, |away: &[S; UNKNOWNS]| {
+            let mut there = *x;
+            there.iter_mut().zip(away).for_each(|(value, away)| *value += *away);
+            let (_, missing, columns) = self.at(&self.unknowns, &there);
+            (missing, columns)
+        });
+        let Some(joint) = place.and_then(|place| joints.get(place)).copied() else { return (own, None) };
         let slides = self.arm.joints().get(joint).is_some_and(|joint| joint.kind == JointKind::Prismatic);
         let aside = wanted.aside * if slides { self.reach } else { S::PI };
         let value = wanted.q.get(joint).copied().unwrap_or(S::ZERO) + aside;
@@ -181,36 +183,6 @@ impl<'s, S: Float> Search<'s, S> {
         let (x, tool) = self.onto(&held, x);
         let q = if self.is_met(self.target.errors(&tool)) { held.q(&x) } else { own };
         (q, Some(self.row(joint)))
-    }
-
-    /// The unknown that moves most where unknowns can move with the target kept.
-    fn still(&self, x: &[S; UNKNOWNS]) -> Option<usize> {
-        let (_, _, columns) = self.at(&self.unknowns, x);
-        let mut best = (None, [S::ZERO; UNKNOWNS], S::from_f64(0.5));
-        for place in 0..self.unknowns.joints().len() {
-            let mut direction = [S::ZERO; UNKNOWNS];
-            direction.iter_mut().skip(place).take(1).for_each(|part| *part = S::ONE);
-            // What of it changes nothing.
-            let change = columns.get(place).copied().unwrap_or([S::ZERO; 6]);
-            let back = damped_step(&columns, change, S::from_f64(STILL).max(S::SQRT_EPSILON));
-            direction.iter_mut().zip(back).for_each(|(part, back)| *part -= back);
-            let size = direction.iter().fold(S::ZERO, |sum, part| sum + *part * *part).sqrt();
-            if size > S::from_f64(0.1) && best.0.is_none_or(|_| size > best.2) {
-                best = (Some(place), direction.map(|part| part / size), size);
-            }
-        }
-        let (place, direction, _) = best;
-        let place = place?;
-        // Where two solutions have met, they go no further.
-        let goes_on = [S::from_f64(TRIAL), -S::from_f64(TRIAL)].iter().any(|length| {
-            let mut there = *x;
-            there.iter_mut().zip(direction).for_each(|(value, part)| *value += *length * part);
-            let (end, tool) = self.onto(&self.unknowns, &there);
-            let gone =
-                end.iter().zip(x).zip(direction).fold(S::ZERO, |sum, ((a, b), part)| sum + (*a - *b) * part);
-            self.is_met(self.target.errors(&tool)) && gone.abs() > S::from_f64(TRIAL / 2.0)
-        });
-        goes_on.then_some(place)
     }
 
     /// The row of a joint: the first whose frame moves with it.

@@ -11,6 +11,10 @@ const MAX_CANDIDATES: usize = 64;
 /// Two candidates that are nearer than this (rad; m, in an arm of 1 m) are one.
 const SAME: f64 = 1e-6;
 
+/// Points of curves of solutions that are nearest to what is wanted are one, if they are nearer than this (rad; m, in an arm
+/// of 1 m): the way to them is slow.
+const SAME_POINT: f64 = 0.02;
+
 /// Points of a curve of solutions that are nearer than this (rad; m, in an arm of 1 m) are as good as one, once there are
 /// more solutions than an arm can have without such a curve.
 const SAME_STRETCH: f64 = 0.3;
@@ -166,14 +170,30 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     ) -> Candidates {
         let (wanted, aside) = self.wanted_of_all();
         let mut list = Candidates::none(found.step);
-        for candidate in found.as_slice() {
-            let point = six.on_curve(pose, &candidate.q, &wanted, aside);
-            let candidate = point.map_or(*candidate, |point| Candidate {
-                q: point.q,
-                free: Some(point.joint),
-                minus: six.determinant(&point.q) < 0.0,
-            });
-            let known = |other: &Candidate| same(&other.q, &candidate.q, six.prismatic, SAME * scale);
+        let own = found.step.rows.count_ones() as usize;
+        let mut passed = 0_u64;
+        for (place, candidate) in found.as_slice().iter().enumerate() {
+            let q = six.polished(pose, &candidate.q);
+            let mut candidate = Candidate { q, ..*candidate };
+            // Where joints move that only the chain has, the arm stands still.
+            let on_curve = |q: &[f64; JOINTS]| six.on_curve(pose, q, &wanted, aside, own);
+            if let Some(mut point) = on_curve(&q) {
+                if passed & 1_u64.wrapping_shl(place as u32) != 0 {
+                    continue;
+                }
+                let others = found.as_slice().iter().map(|other| other.q);
+                let (also, nearest) = six.follow(pose, &q, &wanted, &others);
+                passed |= also;
+                point = on_curve(&nearest).unwrap_or(point);
+                let minus = six.determinant(&point.q) < 0.0;
+                candidate = Candidate { q: point.q, free: point.joint, minus };
+            }
+            let known = |other: &Candidate| {
+                let both = other.free.is_some() && candidate.free.is_some();
+                let near = scale * if both { SAME_POINT } else { SAME };
+                same(&other.q, &candidate.q, six.prismatic, near)
+                    || (other.free == candidate.free && six.are_one(pose, &other.q, &candidate.q))
+            };
             if !list.as_slice().iter().any(known) {
                 list.push(candidate);
             }
@@ -188,13 +208,13 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         candidates.next += 1;
         let step = candidates.step;
         self.free_steps &= !step.bit();
+        // No roots that have parted clearly say that this one is another than those that there are.
+        self.doubtful = true;
         self.branch = if candidate.minus && step.signed { step.bit() } else { 0 };
         // The joints to be found are the step's rows, base to tip; behind them are those that only the chain has.
         let mut rows = (0..u32::BITS).filter(|row| step.rows & (1 << row) != 0);
-        let last = rows.clone().next_back();
-        let row = candidate.free.and_then(|place| rows.nth(place).or(last));
+        let row = candidate.free.and_then(|place| rows.nth(place));
         if let Some(row) = row {
-            self.doubtful = true;
             self.free_steps |= step.bit();
             if let Some(slot) = self.free_rows.get_mut(usize::from(step.index)) {
                 *slot = row as u8;

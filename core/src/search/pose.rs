@@ -2,7 +2,6 @@
 
 use super::{Search, indifferent};
 use crate::frame::{norm, sub};
-use crate::general::is_singular;
 use crate::{Float, Frame, Solution, polish, residual_tolerance, rotation_error};
 
 /// A candidate with errors (reaches, rad) of up to this many machine epsilons is left as it is: 1e-13 in f64. Well-conditioned
@@ -25,7 +24,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         q: [S; N],
         tool: &Frame<S>,
         target: &Frame<S>,
-        mut pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+        pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
     ) {
         let position_error = norm(sub(tool.translation, target.translation));
         let rotation_error = rotation_error(&target.rotation, &tool.rotation);
@@ -33,7 +32,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let accurate = if self.free_steps == 0 { S::from_f64(ACCURATE) * S::EPSILON } else { indifferent() };
         if position_error <= accurate * self.reach && rotation_error <= accurate {
             if self.doubtful {
-                self.accept_marked(q, position_error, rotation_error, &mut pose_and_jacobian);
+                self.accept(q, position_error, rotation_error);
                 return;
             }
             // Branches that parted clearly at every step end in solutions that differ.
@@ -65,33 +64,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         self.doubtful = true;
         self.polished = true;
         let better = polish(q, target, self.reach, STEPS, |q| self.of_unknowns(pose_and_jacobian(q)));
-        self.accept_marked(better.q, better.position_error, better.rotation_error, &mut pose_and_jacobian);
-    }
-
-    /// [`Search::accept`]. A step that had nothing to say may leave its joint to others: it is free only where the arm can move
-    /// by itself.
-    #[cold]
-    #[inline(never)]
-    fn accept_marked(
-        &mut self,
-        q: [S; N],
-        position_error: S,
-        rotation_error: S,
-        pose_and_jacobian: &mut impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
-    ) {
-        let free = self.free_steps;
-        if free != 0 {
-            let (_, columns) = self.of_unknowns(pose_and_jacobian(&q));
-            let per_reach = S::ONE / self.reach;
-            let columns = columns.map(|[x, y, z, a, b, c]| {
-                [x * per_reach, y * per_reach, z * per_reach, a, b, c].map(Float::to_f64)
-            });
-            if !is_singular(&columns, residual_tolerance::<S>().to_f64()) {
-                self.free_steps = 0;
-            }
-        }
-        self.accept(q, position_error, rotation_error);
-        self.free_steps = free;
+        self.accept(better.q, better.position_error, better.rotation_error);
     }
 
     /// A tool frame and the columns of its Jacobian, those of joints that the caller gives set to 0.

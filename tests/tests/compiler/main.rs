@@ -11,6 +11,7 @@ mod full_pose;
 mod geometry;
 mod inverse;
 mod layering;
+mod marks;
 mod mounted;
 mod nopanic;
 mod oracle;

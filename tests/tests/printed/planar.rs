@@ -449,6 +449,8 @@ fn tool_point(q: &[f64; 2]) -> [f64; 3] {
 fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, IkError> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Ratio);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f64; 2]); 2] = [(THETA1, [1.0, 0.0]), (THETA2, [0.0, 1.0])];
 
     let pose = target.validate_pose()?;
     let [r11, _, _, px, r21, _, _, py, _, _, _, _] = pose.rows();
@@ -478,7 +480,7 @@ fn solve_pose(target: &Target, seed: Option<Seed<'_>>) -> Result<Solutions<2>, I
             search.accept_pose(q, &tool, &pose, pose_and_jacobian);
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &Target::Pose(pose), pose_and_jacobian)
 }
 
 /// Every solution of `xy`.

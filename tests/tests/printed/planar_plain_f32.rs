@@ -459,6 +459,8 @@ fn solve_pose(
 ) -> Result<Solutions<2, f32>, IkError<f32>> {
     const THETA1: Step = Step::new(0, 0b1, false, Measure::Length);
     const THETA2: Step = Step::new(1, 0b10, false, Measure::Ratio);
+    // What one unit of the unknown of each step adds to the joint values.
+    const MOTIONS: [(Step, [f32; 2]); 2] = [(THETA1, [1.0, 0.0]), (THETA2, [0.0, 1.0])];
 
     let pose = target.validate_pose()?;
     let [r11, _, _, px, r21, _, _, py, _, _, _, _] = pose.rows();
@@ -488,7 +490,7 @@ fn solve_pose(
             search.accept_pose(q, &tool, &pose, pose_and_jacobian);
         }
     }
-    search.finish()
+    search.finish_marked(&MOTIONS, &Target::Pose(pose), pose_and_jacobian)
 }
 
 /// Every solution of `xy`.

@@ -39,6 +39,7 @@ pub(super) struct Locals {
     pub(super) stages: Vec<String>,
     pub(super) chain: String,
     pub(super) nearly: String,
+    pub(super) motions: String,
 }
 
 impl Locals {
@@ -54,7 +55,8 @@ impl Locals {
         let stages = function.stages.iter().map(|stage| names.constant(&stage.unknown)).collect();
         let chain = names.constant("chain");
         let nearly = names.constant("nearly");
-        Self { values, stages, chain, nearly }
+        let motions = names.constant("motions");
+        Self { values, stages, chain, nearly, motions }
     }
 }
 

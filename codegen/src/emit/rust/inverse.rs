@@ -39,6 +39,7 @@ impl<'a> Printer<'a> {
             let unsigned = if function.is_unsigned(index) { ".unsigned()" } else { "" };
             lines.line(self.stage(index, stage, name, !searches, &format!("{at_once}{unsigned}")));
         }
+        self.motions(&mut lines, function, &locals);
         self.arms(&mut lines, &function.steps, &locals);
         lines.gap();
         let (numbers, free) = input_patterns(function, problem, &body);
@@ -64,7 +65,16 @@ impl<'a> Printer<'a> {
         body.steps(&mut lines, &function.steps, &|text, candidate| {
             self.accept(text, candidate, problem, &body);
         });
-        lines.line("search.finish()");
+        lines.line(if function.motions.is_empty() {
+            "search.finish()".to_owned()
+        } else {
+            let target = if polishes(&function.steps) {
+                format!("&{}::Pose(pose)", self.paths.runtime("Target"))
+            } else {
+                "&target".to_owned()
+            };
+            format!("search.finish_marked(&{}, {target}, pose_and_jacobian)", locals.motions)
+        });
         let lines = lines.into_string();
 
         let name =
@@ -87,6 +97,21 @@ impl<'a> Printer<'a> {
         text.signature(&format!("fn {}", private_name(problem)), &parameters, &self.inverse_result());
         text.append(&lines);
         text.close("}");
+    }
+
+    /// What the unknown of each step moves.
+    fn motions(&self, text: &mut Text, function: &Function, locals: &Locals) {
+        if function.motions.is_empty() {
+            return;
+        }
+        let motions = function.motions.iter().zip(&locals.stages).map(|(motion, stage)| {
+            let motion = Expression::Array(motion.iter().map(|share| self.literal(*share)).collect());
+            Expression::Tuple(vec![Expression::Atom(stage.clone()), motion])
+        });
+        let (step, count) = (self.paths.runtime("Step"), function.motions.len());
+        text.line("// What one unit of the unknown of each step adds to the joint values.");
+        let head = format!("const {}: [({step}, {}); {count}] =", locals.motions, self.joints_type());
+        text.laid_out(&statement(text.indent(), &head, &Expression::Array(motions.collect()), ";"));
     }
 
     /// What is wanted of the unknowns where the target leaves some free.

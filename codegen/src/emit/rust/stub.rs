@@ -143,6 +143,7 @@ fn hollow_plan(model: &Model) -> Plan {
         counts: Counts::default(),
         stages: Vec::new(),
         unknowns: Vec::new(),
+        motions: Vec::new(),
         constraints: Vec::new(),
         branch: Vec::new(),
         agreement: None,

@@ -9,7 +9,7 @@ use crate::model::{JointKind, Model, Target};
 use crate::plan::{
     FollowingChain, Function, FunctionKind, GeneralChain, Measure, Nearly, Plan, Stage, target_inputs,
 };
-use dh_core::Float;
+use dh_core::{Float, MAX_JOINTS};
 
 /// Number of a register.
 pub(super) type Register = usize;
@@ -122,6 +122,8 @@ pub(super) struct Routine<S> {
     pub(super) code: Vec<Instruction>,
     pub(super) outputs: Vec<Register>,
     pub(super) stages: Vec<dh_core::Step>,
+    /// See [`Function::motions`].
+    pub(super) motions: Vec<(dh_core::Step, [S; MAX_JOINTS])>,
 }
 
 impl<S: Float> Routine<S> {
@@ -140,7 +142,13 @@ impl<S: Float> Routine<S> {
         let outputs = function.outputs.iter().map(|output| lowering.scalar(output, &mut code));
         let outputs = outputs.collect::<Result<_, _>>()?;
         let stages = stages(model, function)?;
-        Ok(Routine { inputs: function.inputs, start: lowering.start, code, outputs, stages })
+        let motions = stages.iter().zip(&function.motions).map(|(step, motion)| {
+            let mut padded = [S::ZERO; MAX_JOINTS];
+            padded.iter_mut().zip(motion).for_each(|(to, from)| *to = S::from_f64(*from));
+            (*step, padded)
+        });
+        let motions = motions.collect();
+        Ok(Routine { inputs: function.inputs, start: lowering.start, code, outputs, stages, motions })
     }
 }
 

@@ -123,14 +123,6 @@ pub(super) enum Searching<'w, S> {
 }
 
 impl<S: Float> Searching<'_, S> {
-    pub(super) fn finish(self) -> Result<Solutions<MAX_JOINTS, S>, IkError<S>> {
-        match self {
-            Self::Exact(mut search) => search.finish(),
-            Self::Near(_) => Err(IkError::NotFinite),
-            Self::Done(answer) => answer,
-        }
-    }
-
     fn roots(&mut self, step: dh_core::Step, equation: Kernel, registers: &Registers<S>) -> Found<S> {
         // Nearly special arms do without these two.
         if let Kernel::Quartic(forms, right) = equation {
@@ -214,6 +206,21 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
     pub(super) fn run(&mut self, registers: &mut Registers<S>) {
         let routine = self.routine;
         self.block(&routine.code, registers);
+    }
+
+    /// What was found.
+    pub(super) fn finish(self) -> Result<Solutions<MAX_JOINTS, S>, IkError<S>> {
+        let (both, dof) = (self.both, self.dof);
+        match (self.search, both) {
+            (Searching::Exact(mut search), Some(both)) => {
+                search.finish_marked(&self.routine.motions, self.target, |q: &[S; MAX_JOINTS]| {
+                    pose_and_jacobian(both, q.get(..dof).unwrap_or_default())
+                })
+            }
+            (Searching::Exact(mut search), None) => search.finish(),
+            (Searching::Near(_), _) => Err(IkError::NotFinite),
+            (Searching::Done(answer), _) => answer,
+        }
     }
 
     fn block(&mut self, code: &'r [Instruction], registers: &mut Registers<S>) {

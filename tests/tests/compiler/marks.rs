@@ -1,0 +1,210 @@
+//! Marks of free joints against the oracle: a joint is marked where it can be moved with the target kept, and nowhere else.
+
+use dh_core::{FULL_POSE, SolutionSet, Target};
+use dh_runtime::nalgebra::{SMatrix, SVector};
+use dh_tests::engine;
+use dh_tests::oracle::Oracle;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::classes::Random;
+
+type Matrix = [[f64; 4]; 4];
+
+fn column(pose: &Matrix, place: usize) -> [f64; 3] {
+    [0, 1, 2].map(|row| pose[row][place])
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|i| a[i] - b[i])
+}
+
+/// A target of a kind that a tool frame meets.
+fn target_of(kind: &str, pose: &Matrix) -> Target {
+    let [position, direction] = [column(pose, 3), column(pose, 2)];
+    let beyond = [0, 1, 2].map(|i| position[i] + 0.37 * direction[i]);
+    let rotation = [0, 1, 2].map(|row| [pose[row][0], pose[row][1], pose[row][2]]);
+    let yaw = pose[1][0].atan2(pose[0][0]);
+    match kind {
+        "position" => Target::Position(position),
+        "rotation" => Target::Rotation(rotation),
+        "direction" => Target::Direction(direction),
+        "lookat" => Target::Lookat(beyond),
+        "ray" => Target::Ray { position: beyond, direction },
+        "position_direction" => Target::PositionDirection { position, direction },
+        "position_yaw" => Target::PositionYaw { position, yaw },
+        _ => Target::Pose(dh_core::Frame { rotation, translation: position }),
+    }
+}
+
+/// What a tool frame misses of it.
+fn missing(target: &Target, pose: &Matrix) -> Vec<f64> {
+    let [x, z, p] = [0, 2, 3].map(|place| column(pose, place));
+    let rows = |rotation: &[[f64; 3]; 3]| -> Vec<f64> {
+        (0..9).map(|i| pose[i / 3][i % 3] - rotation[i / 3][i % 3]).collect()
+    };
+    match target {
+        Target::Position(position) => minus(p, *position).to_vec(),
+        Target::Rotation(rotation) => rows(rotation),
+        Target::Direction(direction) => minus(z, *direction).to_vec(),
+        Target::Lookat(position) => cross(z, minus(*position, p)).to_vec(),
+        Target::Ray { position, direction } => {
+            [cross(*direction, minus(p, *position)), minus(z, *direction)].concat()
+        }
+        Target::PositionDirection { position, direction } => {
+            [minus(p, *position), minus(z, *direction)].concat()
+        }
+        Target::PositionYaw { position, yaw } => {
+            let aside = x[1] * yaw.cos() - x[0] * yaw.sin();
+            [&minus(p, *position)[..], &[aside]].concat()
+        }
+        Target::Pose(frame) => [rows(&frame.rotation), minus(p, frame.translation).to_vec()].concat(),
+        _ => unreachable!("no such target here"),
+    }
+}
+
+fn difference(target: &Target, oracle: &Oracle, q: &[f64]) -> SVector<f64, 12> {
+    let own = missing(target, &oracle.fk(q));
+    SVector::from_fn(|row, _| own.get(row).copied().unwrap_or(0.0))
+}
+
+/// How it changes with each joint.
+fn slopes(target: &Target, oracle: &Oracle, q: &[f64]) -> SMatrix<f64, 12, 6> {
+    let mut columns: SMatrix<f64, 12, 6> = SMatrix::zeros();
+    for joint in 0..q.len() {
+        let at = |step: f64| {
+            let mut x = q.to_vec();
+            x[joint] += step;
+            difference(target, oracle, &x)
+        };
+        let slope: SVector<f64, 12> = (at(1e-6) - at(-1e-6)) / 2e-6;
+        columns.set_column(joint, &slope);
+    }
+    columns
+}
+
+/// NaN, by which nothing is met, where there is none.
+fn solved(step: Result<SVector<f64, 6>, &str>) -> SVector<f64, 6> {
+    step.unwrap_or(SVector::from_element(f64::NAN))
+}
+
+/// Whether others can make up for a joint that is moved a little, by Newton's method in them alone.
+fn is_free(oracle: &Oracle, target: &Target, q: &[f64], joint: usize) -> bool {
+    // If not at first, then not at all.
+    let mut columns = slopes(target, oracle, q);
+    let own = columns.column(joint).into_owned();
+    columns.fill_column(joint, 0.0);
+    let svd = columns.svd(true, true);
+    if (columns * solved(svd.solve(&own, 1e-5)) - own).amax() > 1e-3 {
+        return false;
+    }
+    // Next to a double root solutions are not known any better.
+    let met = 1e-11 + 2.0 * difference(target, oracle, q).amax();
+    // Where more than one has to be made up for by the same joints, one alone may do it.
+    let alone = (0..q.len()).filter(|other| *other != joint).map(Some);
+    let tries = [None].into_iter().chain(alone).flat_map(|only| [(0.002, only), (-0.002, only)]);
+    tries.into_iter().any(|(moved, only)| {
+        let mut x = q.to_vec();
+        x[joint] += moved;
+        for _ in 0..6 {
+            let error = difference(target, oracle, &x);
+            if error.amax() < 1e-12 {
+                break;
+            }
+            let mut columns = slopes(target, oracle, &x);
+            let fixed =
+                (0..x.len()).filter(|other| *other == joint || only.is_some_and(|only| only != *other));
+            fixed.for_each(|other| columns.fill_column(other, 0.0));
+            let step = solved(columns.svd(true, true).solve(&error, 1e-5));
+            x.iter_mut().zip(step.iter()).for_each(|(x, step)| *x -= step);
+        }
+        difference(target, oracle, &x).amax() < met && x.iter().zip(q).all(|(a, b)| (a - b).abs() < 0.05)
+    })
+}
+
+/// Joint values of which most are at a multiple of a quarter turn.
+fn lattice(random: &mut Random, oracle: &Oracle) -> Vec<f64> {
+    let chain = oracle.chain();
+    let value = |row: &usize| {
+        let any = PI * (2.0 * random.unit() - 1.0);
+        match random.unit() {
+            _ if chain.rows[*row].prismatic => 0.3 + 0.1 * random.unit(),
+            part if part < 0.7 => (any / FRAC_PI_2).round() * FRAC_PI_2,
+            _ => any,
+        }
+    };
+    chain.joints.iter().map(value).collect()
+}
+
+/// Says how many solutions are marked of how many.
+fn compare(name: &str, text: &str, problem: &str, kind: &str, poses: usize) -> Result<[usize; 2], String> {
+    let (arm, oracle) = (engine::interpreter(text)?, Oracle::read(text)?);
+    let mut random = Random(23);
+    let mut counts = [0; 2];
+    for _ in 0..poses {
+        let q = lattice(&mut random, &oracle);
+        let target = target_of(kind, &oracle.fk(&q));
+        let mut set = SolutionSet::new();
+        arm.ik_into(problem, &target, &mut set)
+            .map_err(|error| format!("{name}, {kind}, at {q:?}: {error}"))?;
+        for solution in set.iter() {
+            let free: Vec<usize> =
+                (0..q.len()).filter(|joint| is_free(&oracle, &target, solution.q, *joint)).collect();
+            let marked = solution.free.map(|row| oracle.chain().joints.iter().position(|own| *own == row));
+            let agrees =
+                marked.map_or(free.is_empty(), |joint| joint.is_some_and(|joint| free.contains(&joint)));
+            assert!(
+                agrees,
+                "{name}, {kind}, at {q:?}: {:?}, {:?}; free are {free:?}",
+                solution.q, solution.free
+            );
+            counts[usize::from(marked.is_some())] += 1;
+        }
+    }
+    Ok(counts)
+}
+
+fn arm(rows: &[&str], kinds: &[&str]) -> String {
+    let head =
+        "[robot]\nname = \"arm\"\nconvention = \"standard\"\nunits = { length = \"m\", angle = \"deg\" }\n";
+    let rows = rows.iter().map(|row| format!("[[joint]]\n{row}\n"));
+    let problems = kinds.iter().map(|kind| format!("[[ik]]\nname = \"to_{kind}\"\ntarget = \"{kind}\"\n"));
+    [head.to_owned()].into_iter().chain(rows).chain(problems).collect()
+}
+
+/// Where a step of a derivation has nothing to say of its joint, others may: only where the arm can move is a joint free.
+#[test]
+fn a_joint_of_any_problem_is_marked_where_it_can_move() {
+    let arms: [(&str, &[&str], &[&str]); 5] = [
+        (
+            "3R",
+            &["d = 0.3\na = 0.1\nalpha = 90", "d = 0.1\na = 0.4\nalpha = -90", "d = 0.05\na = 0.3"],
+            &["position"],
+        ),
+        ("elbow", &["d = 0.3\nalpha = 90", "a = 0.4", "a = 0.3"], &["position"]),
+        ("2R", &["d = 0.1\na = 0.1\nalpha = 90", "d = 0.1\na = 0.1\nalpha = 90"], &["direction", "lookat"]),
+        ("wrist", &["d = 0.1\nalpha = -90", "d = 0.1\nalpha = 90", "d = 0.1"], &["rotation"]),
+        (
+            "SCARA",
+            &["d = 0.2\na = 0.325", "a = 0.275\nalpha = 180", "", "type = \"prismatic\""],
+            &["position_yaw"],
+        ),
+    ];
+    for (name, rows, kinds) in arms {
+        for kind in kinds {
+            let counts = compare(name, &arm(rows, kinds), &format!("to_{kind}"), kind, 60).unwrap();
+            println!("{name} {kind} {counts:?}");
+        }
+    }
+}
+
+#[test]
+fn a_joint_of_a_full_pose_is_marked_where_it_can_move() {
+    for name in ["puma560", "ur5e", "irb120", "stanford", "vs068", "tx2_60", "lite6"] {
+        let counts = compare(name, dh_robots::table(name).unwrap(), FULL_POSE, "pose", 10).unwrap();
+        println!("{name} {counts:?}");
+    }
+}
