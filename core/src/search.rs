@@ -1,10 +1,13 @@
 //! A search for all solutions of one inverse problem: equations are solved one after the other, candidates are
 //! accepted or refused, and where nothing is found the failure that came furthest says why.
 
+mod closer;
 mod conditions;
+mod edge;
 mod free;
 mod general;
 mod marks;
+mod motions;
 mod near;
 mod polynomial;
 mod pose;
@@ -18,6 +21,7 @@ pub use near::{Exact, Forms, Near, Nearly};
 pub use quartic::QuarticRoots;
 pub use roots::Roots;
 
+use edge::Edges;
 use free::Free;
 
 use crate::{Branch, Float, IkError, Rule, Solution, Solutions, Step, Wanted, Winding, residual_tolerance};
@@ -57,6 +61,8 @@ pub struct Search<'a, const N: usize, S = f64> {
     free_steps: u32,
     /// Bit i is set where step i, solved last, took its `-` root.
     branch: u32,
+    /// Of the steps before the one that was solved last, which are at the edge of their domain.
+    edges: Edges<S>,
     /// The first row of what each step left free.
     free_rows: [u8; N],
     /// What was tried of each step that is free, or was.
@@ -66,6 +72,8 @@ pub struct Search<'a, const N: usize, S = f64> {
     accepted: u32,
     /// Whether a step had roots so near to each other, or so uncertain, that two branches may have met.
     doubtful: bool,
+    /// Whether a solution is off by more than well-conditioned steps leave.
+    inaccurate: bool,
     /// Whether solutions that are off were brought nearer to their target: then those that stay off miss it.
     polished: bool,
     /// Bit i is set where the caller gives joint i: it stays as it is.
@@ -102,11 +110,13 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             solutions: Solutions::EMPTY,
             free_steps: 0,
             branch: 0,
+            edges: Edges::NONE,
             free_rows: [0; N],
             free: core::array::from_fn(|_| None),
             failure: None,
             accepted: 0,
             doubtful: false,
+            inaccurate: false,
             polished: false,
             given: 0,
             wanted: None,
@@ -138,6 +148,8 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         let mut q = q;
         crate::rules::wrap_all(self.windings, &mut q);
         let free = self.free_row();
+        let accurate = accurate(free.is_some());
+        self.inaccurate |= !(position_error <= accurate * self.reach && rotation_error <= accurate);
         self.accepted += 1;
         let branch = self.branch();
         self.solutions.push(Solution { q, position_error, rotation_error, free, branch }, self.windings);
@@ -165,7 +177,8 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
     /// # Errors
     /// Where nothing was: the failure of the branch that came furthest; of several at the same step, the one that
     /// failed by least.
-    #[inline]
+    #[inline(always)]
+    #[allow(clippy::inline_always, reason = "a call would copy the solutions once more")]
     pub fn finish(&mut self) -> Result<Solutions<N, S>, IkError<S>> {
         if self.polished {
             self.solutions.drop_misses(self.reach);
@@ -240,6 +253,15 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
         }
         self.free_rows.get(self.free_steps.trailing_zeros() as usize).map(|row| usize::from(*row))
     }
+}
+
+/// A solution with errors (reaches, rad) of up to this many machine epsilons is left as it is: 1e-13 in f64. Well-conditioned
+/// steps leave some ten; next to singular poses, where they leave more, a few steps on all joints at once take it away.
+const ACCURATE: f64 = 512.0;
+
+/// The errors (reaches, rad) that a solution is left with. A joint that any value will do of stays where it is wanted.
+fn accurate<S: Float>(free: bool) -> S {
+    if free { indifferent() } else { S::from_f64(ACCURATE) * S::EPSILON }
 }
 
 /// Two rows of an angle that are this small (beside the numbers that they are made of) are met by any angle, as far as the

@@ -1,12 +1,8 @@
 //! Candidates of the full pose.
 
-use super::{Search, indifferent};
+use super::{Search, accurate};
 use crate::frame::{norm, sub};
 use crate::{Float, Frame, Solution, polish, residual_tolerance, rotation_error};
-
-/// A candidate with errors (reaches, rad) of up to this many machine epsilons is left as it is: 1e-13 in f64. Well-conditioned
-/// steps leave some ten; next to singular poses, where they leave more, a few steps on the whole pose take it away.
-const ACCURATE: f64 = 512.0;
 
 /// A candidate that misses by more than this (reaches, rad) is a false root.
 const HOPELESS: f64 = 1e-3;
@@ -28,8 +24,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     ) {
         let position_error = norm(sub(tool.translation, target.translation));
         let rotation_error = rotation_error(&target.rotation, &tool.rotation);
-        // A joint that any value will do of stays where it is wanted.
-        let accurate = if self.free_steps == 0 { S::from_f64(ACCURATE) * S::EPSILON } else { indifferent() };
+        let accurate = accurate(self.free_steps != 0);
         if position_error <= accurate * self.reach && rotation_error <= accurate {
             if self.doubtful {
                 self.accept(q, position_error, rotation_error);

@@ -38,6 +38,8 @@ type Root<S> = [S; 2];
 enum Form {
     Values,
     Angles,
+    /// One angle, of two that are one up to rounding; the index of the step.
+    Edge(u8),
     /// Any value; the index of the step.
     Free(u8),
 }
@@ -58,6 +60,12 @@ impl<S: Float> Roots<S> {
     #[inline]
     pub(super) const fn angle(first: [S; 2]) -> Self {
         Self { left: PLUS, first, ..Self::NONE }
+    }
+
+    /// One angle by sine and cosine, of two that are one up to rounding: the `+` root is `apart` (rad) from it at most, the other
+    /// as far on the other side.
+    pub(super) const fn edge(step: Step, first: [S; 2], apart: S) -> Self {
+        Self { form: Form::Edge(step.index), second: [apart, S::ZERO], ..Self::angle(first) }
     }
 
     /// Two angles by sine and cosine, the `+` root first; `opposite` where they differ in the sign of the sine alone.
@@ -96,6 +104,14 @@ impl<S: Float> Roots<S> {
     /// The same of a single one that is the `-` root.
     pub(super) const fn negative(self) -> Self {
         Self { left: MINUS, ..self }
+    }
+
+    /// Of a root at the edge that has been taken, the two beside it, at this distance (rad) at most.
+    pub(super) fn beside_edge(&self, most: S) -> Self {
+        let [apart, _] = self.first;
+        let apart = apart.max(-most).min(most);
+        let [first, second] = [apart, -apart].map(|side| (self.angle + side).sin_cos().into());
+        Self::angles(first, second, false).signed(self.bit)
     }
 
     /// How many roots there are; any value counts as one.
@@ -140,7 +156,7 @@ impl<S: Float> Roots<S> {
 
     /// A root as a value.
     fn value_of(&self, [first, second]: Root<S>) -> S {
-        if self.form == Form::Angles { first.atan2(second) } else { first }
+        if matches!(self.form, Form::Angles | Form::Edge(_)) { first.atan2(second) } else { first }
     }
 }
 
@@ -171,8 +187,11 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
     #[inline(always)]
     #[allow(clippy::inline_always, reason = "a call would put the roots into memory")]
     pub fn next_angle(&mut self, roots: &mut Roots<S>) -> Option<(S, S, S)> {
+        if let Form::Edge(step) = roots.form {
+            *roots = self.left_at_edge(step, *roots).unpacked();
+        }
         match roots.form {
-            Form::Angles => {
+            Form::Angles | Form::Edge(_) => {
                 let second = roots.left == MINUS;
                 self.branch = roots.branch(self.branch);
                 let [sin, cos] = roots.take()?;

@@ -106,7 +106,8 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             return self.not_finite(step);
         }
         if h <= scale.vanishing {
-            return self.degenerate(step, c.abs(), scale);
+            let told = self.tells_apart(step, c.abs(), scale);
+            return told.unwrap_or_else(|| self.degenerate(step, c.abs(), scale));
         }
         let excess = c.abs() - h;
         if excess > scale.tolerance {
@@ -115,9 +116,12 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let (a, b) = (a / h, b / h);
         let rest = (h - c) * (h + c);
         self.doubtful |= rest <= S::from_f64(CLEAR) * S::EPSILON * h * h || h <= scale.tolerance;
-        if excess >= -(S::from_f64(DOUBLE_ROOT) * S::EPSILON * scale.size.max(h)) {
-            let (cos, sin) = if c < S::ZERO { (-a, -b) } else { (a, b) };
-            return Roots::angle([sin, cos]);
+        let rounding = S::from_f64(DOUBLE_ROOT) * S::EPSILON * scale.size.max(h);
+        if excess >= -rounding {
+            let apart = (S::TWO * excess.abs().max(rounding) / h).sqrt();
+            // a sin - b cos rises there where c is positive.
+            let (cos, sin, apart) = if c < S::ZERO { (-a, -b, -apart) } else { (a, b, apart) };
+            return Roots::edge(step, [sin, cos], apart);
         }
         both(a, b, c / h, rest.sqrt() / h, S::ONE)
     }
@@ -165,7 +169,8 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         // Coefficients that are themselves the root of a rounding error (the sine of a wrist angle next to 0) are 0 if
         // the right-hand sides, which are known to the last digits, are.
         if h <= scale.vanishing || (h <= scale.tolerance && gap <= scale.vanishing) {
-            return self.degenerate(step, gap, scale);
+            let told = self.tells_apart(step, h.max(gap), scale);
+            return told.unwrap_or_else(|| self.degenerate(step, gap, scale));
         }
         if h_small <= scale.vanishing {
             let [_, _, c] = smaller;
@@ -199,7 +204,8 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let change = gauss_newton(first, second, cosine, sine);
         if h <= scale.tolerance {
             let root = sine.atan2(cosine) + change;
-            if h.max(gap) <= indifferent::<S>() * scale.size {
+            let apart = self.edges.are_told_apart_by(step);
+            if h.max(gap) <= indifferent::<S>() * scale.size && !apart {
                 self.mark_free(step);
                 let value = self.wanted_of(step).unwrap_or(root);
                 return self.free(Free::any(step, Some(value), self.accepted));

@@ -7,6 +7,7 @@ mod agree;
 mod branch;
 mod cases;
 mod classes;
+mod folded;
 mod full_pose;
 mod geometry;
 mod inverse;
