@@ -47,7 +47,8 @@ fn by_common_normal(link: &Link, reach: f64) -> Link {
     let [zx, zy, zz] = step.axis();
     let [x, y, z] = step.translation;
     let sine = libm::hypot(zx, zy);
-    let parallel = sine <= EXACT;
+    // An angle so near to 0 or half a turn is that one.
+    let parallel = Angle::from_radians(libm::atan2(sine, zz)).sin_cos().0 == 0.0;
     let turned = if !parallel {
         libm::atan2(zx, -zy)
     } else if libm::hypot(x, y) <= EXACT * reach {
