@@ -17,7 +17,7 @@ use std::sync::{LazyLock, OnceLock};
 ///
 /// # Errors
 /// What the compiler says of the table, as a person would see it.
-pub fn interpreter(text: &str) -> Result<Box<dyn Kinematics>, String> {
+pub fn interpreter(text: &str) -> Result<Box<dyn Kinematics + Send + Sync>, String> {
     let compilation = compile(text, Level::Quick);
     let Some(output) = compilation.output else {
         return Err(format!("{text}\n{}", compilation.diagnostics.render(text, "table.toml", Style::Plain)));
@@ -29,7 +29,7 @@ pub fn interpreter(text: &str) -> Result<Box<dyn Kinematics>, String> {
 ///
 /// # Errors
 /// There is no such table, or the compiler refuses it.
-pub fn shipped(name: &str) -> Result<Box<dyn Kinematics>, String> {
+pub fn shipped(name: &str) -> Result<Box<dyn Kinematics + Send + Sync>, String> {
     let compilation = compiled(name)?;
     of_output(compilation.output.as_ref().ok_or_else(|| format!("{name} has mistakes"))?)
 }
@@ -64,7 +64,7 @@ pub fn every_shipped() -> impl Iterator<Item = (&'static str, &'static Compilati
     names.into_iter().filter_map(|name| Some((name, compiled(name).ok()?)))
 }
 
-fn of_output(output: &'static Output) -> Result<Box<dyn Kinematics>, String> {
+fn of_output(output: &'static Output) -> Result<Box<dyn Kinematics + Send + Sync>, String> {
     let program = Program::new(&output.model, &output.plan).map_err(|error| error.to_string())?;
     let interpreter = Box::leak(Box::new(program)).interpreter().map_err(|error| error.to_string())?;
     Ok(Box::new(interpreter))

@@ -1,6 +1,8 @@
 //! A point with the direction of the tool's z axis, five joints: which classes of arms have a closed form, and that every
 //! target that joint values give has solutions that meet it, these joint values among them.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use super::branch::check;
 use super::classes::{Random, modified_rows, table};
 use dh_codegen::compile;
@@ -11,6 +13,7 @@ use dh_core::{Frame, Kinematics, Seed, SolutionSet, Target, TargetKind, residual
 use dh_tests::engine;
 use dh_tests::oracle::Oracle;
 use std::f64::consts::{FRAC_PI_4, PI};
+use std::sync::LazyLock;
 
 /// Rows as in [`super::classes`]. The axis of the tool meets that of the last joint in the origin of the last row's frame, or
 /// `beside` it, anywhere along that axis.
@@ -52,6 +55,27 @@ fn tables(rows: &str, skew: bool, beside: bool, random: &mut Random) -> Vec<Stri
     }
     tables
 }
+
+/// A table of a class, with its oracle and its interpreter.
+struct Arm {
+    class: &'static str,
+    text: String,
+    oracle: Oracle,
+    engine: Box<dyn Kinematics + Send + Sync>,
+}
+
+/// Compiled once for all tests.
+static ARMS: LazyLock<Vec<Arm>> = LazyLock::new(|| {
+    let mut random = Random(11);
+    let mut arms = Vec::new();
+    for (class, rows, skew, beside) in CLASSES {
+        for text in tables(rows, *skew, *beside, &mut random) {
+            let (oracle, engine) = (Oracle::read(&text).unwrap(), engine::interpreter(&text).unwrap());
+            arms.push(Arm { class, text, oracle, engine });
+        }
+    }
+    arms
+});
 
 #[test]
 fn classes_of_five_joints_have_a_closed_form_that_another_method_confirms() {
@@ -108,24 +132,21 @@ fn there_and_back(arm: &dyn Kinematics, oracle: &Oracle, q: &[f64], most: f64) -
 #[test]
 fn every_point_and_direction_of_an_arm_is_solved() {
     let mut random = Random(11);
-    for (class, rows, skew, beside) in CLASSES {
-        for text in tables(rows, *skew, *beside, &mut random) {
-            let (oracle, arm) = (Oracle::read(&text).unwrap(), engine::interpreter(&text).unwrap());
-            let chain = oracle.chain();
-            for number in 0..90 {
-                let joints = chain.joints.iter().map(|&row| match (chain.rows[row].prismatic, number % 3) {
-                    (true, _) => random.unit() - 0.5,
-                    (false, 0) => PI * random.symmetric(),
-                    (false, 1) => FRAC_PI_4 * (8.0 * random.unit()).floor(),
-                    _ => 2.0 * FRAC_PI_4 * (4.0 * random.unit()).floor() + 1e-7 * random.symmetric(),
-                });
-                let q: Vec<f64> = joints.collect();
-                // Beside singular poses, solutions are what misses a target by no more than this.
-                let most = if number % 3 == 2 { residual_tolerance::<f64>() * oracle.reach() } else { 2e-11 };
-                let nearest = there_and_back(&*arm, &oracle, &q, most);
-                let nearest = nearest.unwrap_or_else(|error| panic!("{class} at {q:?}: {error}\n{text}"));
-                assert!(number % 3 != 0 || nearest < 1e-7, "{class} at {q:?}: {nearest:e}\n{text}");
-            }
+    for Arm { class, text, oracle, engine } in ARMS.iter() {
+        let chain = oracle.chain();
+        for number in 0..90 {
+            let joints = chain.joints.iter().map(|&row| match (chain.rows[row].prismatic, number % 3) {
+                (true, _) => random.unit() - 0.5,
+                (false, 0) => PI * random.symmetric(),
+                (false, 1) => FRAC_PI_4 * (8.0 * random.unit()).floor(),
+                _ => 2.0 * FRAC_PI_4 * (4.0 * random.unit()).floor() + 1e-7 * random.symmetric(),
+            });
+            let q: Vec<f64> = joints.collect();
+            // Beside singular poses, solutions are what misses a target by no more than this.
+            let most = if number % 3 == 2 { residual_tolerance::<f64>() * oracle.reach() } else { 2e-11 };
+            let nearest = there_and_back(engine.as_ref(), oracle, &q, most);
+            let nearest = nearest.unwrap_or_else(|error| panic!("{class} at {q:?}: {error}\n{text}"));
+            assert!(number % 3 != 0 || nearest < 1e-7, "{class} at {q:?}: {nearest:e}\n{text}");
         }
     }
 }
@@ -134,28 +155,26 @@ fn every_point_and_direction_of_an_arm_is_solved() {
 #[test]
 fn a_seed_is_found_where_axes_are_aligned() {
     let mut random = Random(17);
-    for (class, rows, skew, beside) in CLASSES {
-        for text in tables(rows, *skew, *beside, &mut random) {
-            let (oracle, arm) = (Oracle::read(&text).unwrap(), engine::interpreter(&text).unwrap());
-            for _ in 0..60 {
-                let q: Vec<f64> = (0..arm.dof())
-                    .map(|_| match random.unit() {
-                        any if any < 0.4 => any * 2.0,
-                        any => ((any * 20.0).floor() - 12.0) * FRAC_PI_4,
-                    })
-                    .collect();
-                let target = target_of(&oracle.fk(&q));
-                let mut set = SolutionSet::new();
-                arm.ik_seeded_into("aim", &target, &[], Some(Seed::new(&q)), &mut set)
-                    .unwrap_or_else(|error| panic!("{class} at {q:?}: {error}\n{text}"));
-                let apart = |found: &[f64]| {
-                    let joints = found.iter().zip(&q).map(|(a, b)| (a - b + PI).rem_euclid(2.0 * PI) - PI);
-                    joints.fold(0.0, |most: f64, apart| most.max(apart.abs()))
-                };
-                let nearest = set.iter().map(|solution| apart(solution.q)).fold(f64::INFINITY, f64::min);
-                // Double roots are known to half of the digits.
-                assert!(nearest < 1e-5, "{class} at {q:?}: {nearest:e}\n{text}");
-            }
+    for Arm { class, text, oracle, engine } in ARMS.iter() {
+        for _ in 0..60 {
+            let q: Vec<f64> = (0..engine.dof())
+                .map(|_| match random.unit() {
+                    any if any < 0.4 => any * 2.0,
+                    any => ((any * 20.0).floor() - 12.0) * FRAC_PI_4,
+                })
+                .collect();
+            let target = target_of(&oracle.fk(&q));
+            let mut set = SolutionSet::new();
+            engine
+                .ik_seeded_into("aim", &target, &[], Some(Seed::new(&q)), &mut set)
+                .unwrap_or_else(|error| panic!("{class} at {q:?}: {error}\n{text}"));
+            let apart = |found: &[f64]| {
+                let joints = found.iter().zip(&q).map(|(a, b)| (a - b + PI).rem_euclid(2.0 * PI) - PI);
+                joints.fold(0.0, |most: f64, apart| most.max(apart.abs()))
+            };
+            let nearest = set.iter().map(|solution| apart(solution.q)).fold(f64::INFINITY, f64::min);
+            // Double roots are known to half of the digits.
+            assert!(nearest < 1e-5, "{class} at {q:?}: {nearest:e}\n{text}");
         }
     }
 }

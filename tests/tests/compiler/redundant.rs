@@ -18,11 +18,12 @@ use proptest::prelude::*;
 use proptest::test_runner::{TestCaseResult, TestRunner};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt::Write;
+use std::sync::LazyLock;
 
 /// A table with its oracle and its interpreter.
 struct Arm {
     oracle: Oracle,
-    engine: Box<dyn Kinematics>,
+    engine: Box<dyn Kinematics + Send + Sync>,
 }
 
 impl Arm {
@@ -164,17 +165,18 @@ fn drawn(twist: &[bool]) -> Vec<Arm> {
     texts.iter().map(|text| Arm::new(text)).collect()
 }
 
-fn arms() -> Vec<Arm> {
+/// Compiled once for all tests.
+static ARMS: LazyLock<Vec<Arm>> = LazyLock::new(|| {
     let mut arms = drawn(&[false; 7]);
     arms.extend(drawn(&[true, false, true, true, false, false, true]));
     arms
-}
+});
 
 fn for_all(cases: u32, holds: impl Fn(&Arm, &[f64], &[f64]) -> TestCaseResult) {
-    for arm in arms() {
+    for arm in ARMS.iter() {
         let mut runner = TestRunner::new(ProptestConfig::with_cases(cases));
         let numbers = (prop::array::uniform7(0.01..0.99), prop::array::uniform7(0.01..0.99));
-        runner.run(&numbers, |(x, y)| holds(&arm, &x, &y)).unwrap();
+        runner.run(&numbers, |(x, y)| holds(arm, &x, &y)).unwrap();
     }
 }
 
@@ -198,7 +200,7 @@ fn the_joints_of_a_pose_are_found_at_their_free_joint() {
 
 #[test]
 fn a_sweep_says_how_many_there_are_whatever_room_there_is() {
-    for arm in arms() {
+    for arm in ARMS.iter() {
         let q = arm.inside(&[0.4, 0.6, 0.3, 0.7, 0.45, 0.3, 0.8]);
         let target = arm.target(&q);
         let redundancy = arm.engine.redundancy(FULL_POSE).unwrap();
@@ -323,7 +325,7 @@ fn a_far_seed_does_not_hide_what_is_allowed() {
 /// Joints at multiples of a quarter turn, where axes are aligned and the arm is stretched.
 #[test]
 fn singular_poses_have_solutions_and_a_nearest_one() {
-    for arm in arms() {
+    for arm in ARMS.iter() {
         for number in (0..128_u32).step_by(5) {
             let quarter = |joint: u32| f64::from((number >> joint) & 1) * FRAC_PI_2;
             let mut q: Vec<f64> = (0..7).map(quarter).collect();
@@ -337,7 +339,7 @@ fn singular_poses_have_solutions_and_a_nearest_one() {
                 assert_eq!(solution.q[arm.free()], q[arm.free()], "as it was given, {q:?}");
             }
             let seed: Vec<f64> = q.iter().map(|q| q + 1e-3).collect();
-            let near = nearest(&arm, &target, &seed).unwrap_or_else(|error| panic!("{q:?}: {error}"));
+            let near = nearest(arm, &target, &seed).unwrap_or_else(|error| panic!("{q:?}: {error}"));
             assert!(arm.miss(&near, &q) < 1e-6, "{q:?}");
         }
     }
@@ -345,7 +347,7 @@ fn singular_poses_have_solutions_and_a_nearest_one() {
 
 #[test]
 fn intervals_are_where_limits_are_kept() {
-    for arm in arms() {
+    for arm in ARMS.iter() {
         for x in [[0.4, 0.6, 0.3, 0.7, 0.45, 0.3, 0.8], [0.2, 0.5, 0.6, 0.3, 0.7, 0.6, 0.4]] {
             let target = arm.target(&arm.inside(&x));
             let redundancy = arm.engine.redundancy(FULL_POSE).unwrap();
