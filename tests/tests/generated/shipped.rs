@@ -6,6 +6,7 @@ use dh_runtime::{FULL_POSE, Kinematics, dh_robot};
 use dh_tests::engine;
 use dh_tests::engine::everything::computed;
 use std::f64::consts::PI;
+use std::sync::Mutex;
 
 macro_rules! shipped {
     ($($table:literal $name:ident),* $(,)?) => {
@@ -15,7 +16,7 @@ macro_rules! shipped {
         )*
 
         /// Every arm under the name of its table.
-        fn arms() -> Vec<(&'static str, Box<dyn Kinematics>)> {
+        fn arms() -> Vec<(&'static str, Box<dyn Kinematics + Send>)> {
             vec![$(($table, Box::new($name))),*]
         }
     };
@@ -82,38 +83,55 @@ fn every_shipped_table_is_here() {
     assert_eq!(names, dh_robots::names().collect::<Vec<_>>());
 }
 
+/// Numbers between -1 and 1, the same on every run.
+struct Random(u64);
+
+impl Random {
+    fn number(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        f64::from((self.0 >> 40) as u32) / f64::from(1_u32 << 23) - 1.0
+    }
+}
+
 #[test]
 fn bits_are_those_of_the_interpreter() {
-    let mut state = 1_u64;
-    let mut random = || {
-        // Any numbers do; these are the same on every run.
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        f64::from((state >> 40) as u32) / f64::from(1_u32 << 23) - 1.0
-    };
-    for (name, arm) in arms() {
-        // Of the plan that `dhc` prints, which verifies it at more poses than the attribute.
-        let interpreter = engine::shipped(name).expect("shipped tables have no mistakes");
-        assert_eq!(arm.name(), interpreter.name());
-        assert_eq!(arm.fingerprint(), interpreter.fingerprint());
-        assert_eq!(arm.problems(), interpreter.problems());
-        assert_eq!(arm.rules(), interpreter.rules());
-        // Of seven joints each answer is a sweep and a search of the nearest: minutes where there is no closed form.
-        let rounds = match arm.redundancy(FULL_POSE) {
-            Some(redundancy) if redundancy.is_searched() => 1..2,
-            Some(_) => 0..2,
-            None => 0..12,
-        };
-        for round in rounds {
-            let q: Vec<_> = (0..arm.dof()).map(|_| if round == 0 { 0.0 } else { PI * random() }).collect();
-            let mut tool = arm.fk(&q).expect("as many values as joints");
-            match round % 6 {
-                // Out of reach, in the middle of the arm, and no target at all.
-                3 => tool.translation = tool.translation.map(|x| 4.0 * x),
-                4 => tool.translation = [0.0; 3],
-                5 if round > 6 => tool.rotation = [[f64::NAN; 3]; 3],
-                _ => {}
-            }
-            assert_eq!(computed(&*arm, &q, tool), computed(&*interpreter, &q, tool), "{name} at {q:?}");
+    // One test for all, so that whoever is free takes the next arm.
+    let queue = Mutex::new(arms().into_iter().zip(1..));
+    let work = || {
+        while let Some(((name, arm), number)) = queue.lock().ok().and_then(|mut queue| queue.next()) {
+            assert_eq!(compare(name, &*arm, Random(number)), Ok(()));
         }
+    };
+    std::thread::scope(|scope| {
+        scope.spawn(work);
+        work();
+    });
+}
+
+fn compare(name: &str, arm: &dyn Kinematics, mut random: Random) -> Result<(), String> {
+    // Of the plan that `dhc` prints, which verifies it at more poses than the attribute.
+    let interpreter = engine::shipped(name)?;
+    assert_eq!(arm.name(), interpreter.name());
+    assert_eq!(arm.fingerprint(), interpreter.fingerprint());
+    assert_eq!(arm.problems(), interpreter.problems());
+    assert_eq!(arm.rules(), interpreter.rules());
+    // Of seven joints each answer is a sweep and a search of the nearest: minutes where there is no closed form.
+    let rounds = match arm.redundancy(FULL_POSE) {
+        Some(redundancy) if redundancy.is_searched() => 1..2,
+        Some(_) => 0..2,
+        None => 0..12,
+    };
+    for round in rounds {
+        let q: Vec<_> = (0..arm.dof()).map(|_| if round == 0 { 0.0 } else { PI * random.number() }).collect();
+        let mut tool = arm.fk(&q).map_err(|error| error.to_string())?;
+        match round % 6 {
+            // Out of reach, in the middle of the arm, and no target at all.
+            3 => tool.translation = tool.translation.map(|x| 4.0 * x),
+            4 => tool.translation = [0.0; 3],
+            5 if round > 6 => tool.rotation = [[f64::NAN; 3]; 3],
+            _ => {}
+        }
+        assert_eq!(computed(arm, &q, tool), computed(&*interpreter, &q, tool), "{name} at {q:?}");
     }
+    Ok(())
 }
