@@ -23,6 +23,10 @@ const SMALL: f64 = 64.0;
 /// What the damping is multiplied by after a step that made the error greater, and divided by after one that didn't.
 const DAMPING: f64 = 16.0;
 
+/// Up to this many times what was missing (its square), a step that made it greater may be one along a valley that bends: one
+/// more step, from where it led to, shows it.
+const CLIMB: f64 = 4.0;
+
 /// Brings joint values nearer to a pose by at most `steps` damped Gauss-Newton steps on all six coordinates of the tool
 /// frame; never farther from it.
 ///
@@ -87,19 +91,25 @@ pub(crate) fn descend<const N: usize, T, S: Float>(
         if slightly && here.gains(&step) < least {
             break;
         }
-        let mut moved = here.q;
-        moved.iter_mut().zip(step).for_each(|(value, change)| *value += change);
-        let next = State::new(moved, &mut at);
+        let next = here.after(&step, &mut at);
         if next.cost < here.cost {
             here = next;
             damping /= S::from_f64(DAMPING);
-        } else {
-            let small = S::from_f64(SMALL) * S::EPSILON;
-            if here.cost <= small * small {
-                break;
-            }
-            damping *= S::from_f64(DAMPING);
+            continue;
         }
+        let small = S::from_f64(SMALL) * S::EPSILON;
+        if here.cost <= small * small {
+            break;
+        }
+        if least > S::ZERO && next.cost < S::from_f64(CLIMB) * here.cost {
+            let step = damped_step(&next.columns, next.error, (damping * next.cost).sqrt());
+            let second = next.after(&step, &mut at);
+            if second.cost < here.cost {
+                here = second;
+                continue;
+            }
+        }
+        damping *= S::from_f64(DAMPING);
     }
     (here.q, here.place)
 }
@@ -119,6 +129,13 @@ impl<const N: usize, T, S: Float> State<N, T, S> {
     fn new(q: [S; N], at: &mut impl FnMut(&[S; N]) -> (T, [S; 6], [[S; 6]; N])) -> Self {
         let (place, error, columns) = at(&q);
         Self { q, place, columns, error, cost: square(&error) }
+    }
+
+    /// The place a step from here.
+    fn after(&self, step: &[S; N], at: &mut impl FnMut(&[S; N]) -> (T, [S; 6], [[S; 6]; N])) -> Self {
+        let mut moved = self.q;
+        moved.iter_mut().zip(step).for_each(|(value, change)| *value += *change);
+        Self::new(moved, at)
     }
 
     /// The part of what is missing that a step takes away, if the equations were linear.

@@ -255,6 +255,8 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON * f64::EPSILON;
 const SMALL: f64 = 4096.0 * f64::EPSILON * f64::EPSILON;
 /// What the damping is multiplied by after a step that made the error greater, and divided by after one that didn't.
 const DAMPING: f64 = 16.0;
+/// A step that made the square of the error greater, by up to this factor, may be one along a valley that bends.
+const CLIMB: f64 = 4.0;
 
 /// Where Newton's method didn't meet the target: by damped steps, as `crate::polish` does them.
 #[cold]
@@ -262,8 +264,10 @@ const DAMPING: f64 = 16.0;
 fn descend(arm: &SixJoints<'_>, target: &Frame, from: &[Values; JOINTS], newton: &Postures) -> Postures {
     let mut here = Postures::new(from);
     let mut at = Errors::new(arm, target, &here.values);
+    let (mut best, mut least) = (here, at);
     let mut damping = Wide::ONE;
     let mut done = newton.met;
+    let mut climbed = [false; LANES];
     for _ in 0..DAMPED_STEPS {
         let diagonal = (damping * at.cost).sqrt();
         let mut columns = [[Wide::ZERO; 2 * JOINTS]; JOINTS + 1];
@@ -275,22 +279,32 @@ fn descend(arm: &SixJoints<'_>, target: &Frame, from: &[Values; JOINTS], newton:
         }
         solve::<{ 2 * JOINTS }, JOINTS, { JOINTS + 1 }>(&mut columns);
         let [.., [a, b, c, d, e, f, ..]] = columns;
-        let mut next = Postures { ..here };
-        next.step(arm, &[a, b, c, d, e, f]);
-        let there = Errors::new(arm, target, &next.values);
-        let mut better = [false; LANES];
+        here.step(arm, &[a, b, c, d, e, f]);
+        at = Errors::new(arm, target, &here.values);
+        let (mut better, mut back) = ([false; LANES], [false; LANES]);
         for lane in 0..LANES {
-            let (old, new) = (at.cost.lane(lane), there.cost.lane(lane));
+            let (old, new) = (least.cost.lane(lane), at.cost.lane(lane));
             better[lane] = !done[lane] && new < old;
-            damping.0[lane] *= if better[lane] { 1.0 / DAMPING } else { DAMPING };
+            // Of two steps it is the second that counts, where the first climbs by little.
+            let climbs = !better[lane] && !climbed[lane] && new < CLIMB * old;
+            back[lane] = !better[lane] && !climbs;
+            damping.0[lane] *= match (better[lane], climbed[lane]) {
+                (true, false) => 1.0 / DAMPING,
+                (false, _) if back[lane] => DAMPING,
+                _ => 1.0,
+            };
+            climbed[lane] = climbs;
             done[lane] |= new <= ROUNDING || (!better[lane] && old <= SMALL);
         }
-        here.take(&next, better);
-        at.take(&there, better);
+        best.take(&here, better);
+        least.take(&at, better);
+        here.take(&best, back);
+        at.take(&least, back);
         if done == [true; LANES] {
             break;
         }
     }
+    let (mut here, mut at) = (best, least);
     let [columns @ .., _] = &mut at.columns;
     here.determinant = solve::<JOINTS, JOINTS, JOINTS>(columns);
     here.met = at.met();
@@ -317,6 +331,7 @@ impl Postures {
 }
 
 /// What is missing at joint values, and how it changes.
+#[derive(Clone, Copy)]
 struct Errors {
     /// The Jacobian, and what is missing; half a turn is not taken for none.
     columns: [[Wide; JOINTS]; JOINTS + 1],
