@@ -18,6 +18,7 @@ mod chart;
 mod circuit;
 mod closer;
 mod continuum;
+mod directions;
 mod isolation;
 mod jacobian;
 mod known;
@@ -41,6 +42,7 @@ use circuit::Circuit;
 use closer::View;
 pub(crate) use continuum::{Equations, OnCurve, beside, on_curve, rank};
 pub(crate) use jacobian::moved;
+use known::UNDECIDED;
 pub(crate) use known::{Known, same};
 pub(crate) use linear::solve;
 use mirror::Mirror;
@@ -294,7 +296,8 @@ impl SixJoints<'_> {
                     // polynomial is not to be trusted.
                     let mut add = |q: &[f64; JOINTS], determinant: f64| {
                         let new = known.insert(q, determinant);
-                        outcome.doubtful |= new != likely;
+                        // Where roots have met there may be more of them, or a curve.
+                        outcome.doubtful |= new != likely || libm::fabs(determinant) <= UNDECIDED;
                         if new {
                             found(&self.in_metres(*q), determinant);
                         }

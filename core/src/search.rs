@@ -24,7 +24,9 @@ pub use roots::Roots;
 use edge::Edges;
 use free::Free;
 
-use crate::{Branch, Float, IkError, Rule, Solution, Solutions, Step, Wanted, Winding, residual_tolerance};
+use crate::{
+    Branch, Float, IkError, Rule, Seed, Solution, Solutions, Step, Wanted, Winding, residual_tolerance,
+};
 
 /// Coefficients up to this many machine epsilons (of the size of the numbers that the equation is made of) are what
 /// rounding leaves of 0.
@@ -78,8 +80,17 @@ pub struct Search<'a, const N: usize, S = f64> {
     polished: bool,
     /// Bit i is set where the caller gives joint i: it stays as it is.
     given: u32,
-    /// What the unknowns are at joint values to be near to, and how far from there free ones are tried first.
-    wanted: Option<(&'a [S], S)>,
+    /// What the unknowns are at joint values to be near to, with these; free ones are tried there first.
+    wanted: Option<(&'a [S], Seed<'a, S>)>,
+    /// Whether solutions may be set to other values of a joint that is free: not where conditions were asked about them.
+    movable: Movable,
+}
+
+/// See [`Search`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Movable {
+    Yes,
+    No,
 }
 
 /// Why a branch ended.
@@ -120,12 +131,17 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             polished: false,
             given: 0,
             wanted: None,
+            movable: Movable::Yes,
         }
     }
 
     /// The same; unknowns that the target leaves free are set as near as can be to what is wanted of them.
     #[inline]
-    pub fn about<const K: usize>(reach: S, windings: &'a [Winding<'a, S>], wanted: &'a Wanted<K, S>) -> Self {
+    pub fn about<const K: usize>(
+        reach: S,
+        windings: &'a [Winding<'a, S>],
+        wanted: &'a Wanted<'a, K, S>,
+    ) -> Self {
         Self { wanted: wanted.view(), ..Self::new(reach, windings) }
     }
 
@@ -225,8 +241,8 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
 
     /// What is wanted (rad or m) of the unknown of a step.
     fn wanted_of(&self, step: Step) -> Option<S> {
-        let (unknowns, aside) = self.wanted?;
-        let value = *unknowns.get(usize::from(step.index))? + aside * step.half_range(self.reach);
+        let (unknowns, seed) = self.wanted?;
+        let value = *unknowns.get(usize::from(step.index))? + seed.aside * step.half_range(self.reach);
         value.is_finite().then_some(value)
     }
 

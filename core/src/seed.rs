@@ -22,20 +22,19 @@ impl<'a, S: Float> Seed<'a, S> {
 
 /// What the unknowns of a search are at a [`Seed`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wanted<const K: usize, S = f64> {
+pub struct Wanted<'s, const K: usize, S = f64> {
     unknowns: [S; K],
-    aside: S,
-    given: bool,
+    seed: Option<Seed<'s, S>>,
 }
 
-impl<const K: usize, S: Float> Wanted<K, S> {
+impl<'s, const K: usize, S: Float> Wanted<'s, K, S> {
     /// The unknowns (rad or m) as functions of the joint values.
     ///
     /// # Errors
     /// Where the seed has not `N` joint values.
     #[inline]
     pub fn of<const N: usize>(
-        seed: Option<Seed<'_, S>>,
+        seed: Option<Seed<'s, S>>,
         unknowns: impl Fn(&[S; N]) -> [S; K],
     ) -> Result<Self, LengthError> {
         let values = match seed {
@@ -47,13 +46,13 @@ impl<const K: usize, S: Float> Wanted<K, S> {
 
     /// The unknowns (rad or m; NaN where nothing is known of one) at the seed.
     #[inline]
-    pub fn new(unknowns: [S; K], seed: Option<Seed<'_, S>>) -> Self {
-        Self { unknowns, aside: seed.map_or(S::ZERO, |seed| seed.aside), given: seed.is_some() }
+    pub const fn new(unknowns: [S; K], seed: Option<Seed<'s, S>>) -> Self {
+        Self { unknowns, seed }
     }
 
-    /// As a search takes it.
-    pub(crate) fn view(&self) -> Option<(&[S], S)> {
-        self.given.then_some((&self.unknowns, self.aside))
+    /// As a search takes it: the unknowns, and the seed itself.
+    pub(crate) fn view(&self) -> Option<(&[S], Seed<'s, S>)> {
+        self.seed.map(|seed| (self.unknowns.as_slice(), seed))
     }
 }
 

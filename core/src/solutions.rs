@@ -72,6 +72,12 @@ impl<const N: usize, S: Float> Solutions<N, S> {
         Self { items: self.items, len: self.len, dropped: self.dropped }
     }
 
+    /// All of them, to be put back in changed; how many were dropped stays known.
+    pub(crate) fn take(&mut self) -> Self {
+        let dropped = self.dropped;
+        core::mem::replace(self, Self { dropped, ..Self::EMPTY })
+    }
+
     /// A set of one solution.
     pub fn one(solution: Solution<N, S>) -> Self {
         let mut solutions = Self::EMPTY;
@@ -231,7 +237,7 @@ fn differ<const N: usize, S: Float>(a: &[S; N], b: &[S; N], windings: &[Winding<
 }
 
 /// Whether two sets of joint values are the same but for whole turns.
-fn same<const N: usize, S: Float>(a: &[S; N], b: &[S; N], windings: &[Winding<'_, S>]) -> bool {
+pub(crate) fn same<const N: usize, S: Float>(a: &[S; N], b: &[S; N], windings: &[Winding<'_, S>]) -> bool {
     let mut difference = *a;
     for (x, y) in difference.iter_mut().zip(b) {
         *x -= *y;

@@ -54,7 +54,7 @@ pub(crate) struct Given<'a, S = f64> {
 }
 
 /// The unknowns of a function at a seed.
-fn wanted<S: Float>(function: &Function, seed: Option<Seed<'_, S>>) -> Wanted<MAX_JOINTS, S> {
+fn wanted<'s, S: Float>(function: &Function, seed: Option<Seed<'s, S>>) -> Wanted<'s, MAX_JOINTS, S> {
     let at = |form: &Option<Form>, q: &[S]| {
         let Some(form) = form else { return S::NAN };
         form.terms.iter().fold(S::from_f64(form.constant), |sum, (joint, factor)| {

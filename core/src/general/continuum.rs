@@ -1,5 +1,6 @@
 //! Solutions that form a curve: the unknowns move, what is prescribed stays.
 
+use super::directions::{Directions, null_space};
 use super::jacobian::pose_and_jacobian;
 use super::{FOUND, JOINTS, SixJoints};
 use crate::polish::polish;
@@ -21,6 +22,11 @@ const TRIALS: [f64; 3] = [0.02, 0.05, 0.1];
 /// An unknown that takes less part than this in a direction of length 1 takes none.
 const PART: f64 = 0.01;
 
+/// The part of a step that has to be left of it after solutions were found again: of one along a curve, and of one of which it
+/// is asked whether there is a curve.
+const ALONG: f64 = 0.5;
+const LEFT: f64 = 0.125;
+
 /// The longest step along a curve (rad, reaches).
 const LONGEST: f64 = 0.25;
 
@@ -39,6 +45,9 @@ const STEPS: usize = 40;
 
 /// Steps from between two solutions, onto the curve if there is one: more would lead to either.
 const BETWEEN: usize = 2;
+
+/// What rounding leaves (reaches, rad) of a pose that is met.
+const MET: f64 = 1e-13;
 
 /// The nearest point is found when the next step is shorter than this (rad, reaches).
 const ARRIVED: f64 = 1e-10;
@@ -75,12 +84,11 @@ pub(crate) fn on_curve<const K: usize>(
     own: usize,
 ) -> Option<OnCurve<K>> {
     let curve = Curve(equations);
-    let directions = curve.directions(start);
-    let ways = || directions.as_slice().iter().filter(|direction| curve.goes_on(start, direction));
-    let tangent = *ways().find(|direction| greatest(direction, own).is_some()).or_else(|| ways().next())?;
+    let mut ways = curve.ways(start);
+    let tangent =
+        ways.clone().find(|direction| greatest(direction, own).is_some()).or_else(|| ways.next())?;
     let mut q = curve.nearest(*start, wanted);
-    let along = curve.directions(&q).part(&tangent);
-    let joint = greatest(&along, own).or(greatest(&tangent, own));
+    let joint = curve.ways(&q).find_map(|way| greatest(&way, own)).or(greatest(&tangent, own));
     if let Some(joint) = joint.filter(|_| aside != 0.0) {
         q = curve.along(q, joint, aside * if equations.slides(joint) { 1.0 } else { core::f64::consts::PI });
     }
@@ -163,16 +171,26 @@ impl SixJoints<'_> {
 
     /// A solution (rad, m) as near to its pose as steps bring it: where several have met, to the place where they did.
     pub(crate) fn polished(&self, pose: &Frame, q: &[f64; JOINTS]) -> [f64; JOINTS] {
-        self.brought(pose, q, STEPS).0
+        let mut start = *q;
+        self.each_slide(&mut start, |value| value / self.reach);
+        let equations = Pose { arm: self.scaled(), target: self.in_reaches(pose) };
+        self.in_metres(equations.miss(&start, STEPS).0)
     }
 
     /// Whether nothing tells two solutions (rad, m) apart: joints may move by themselves at either, to first order, and on the way
-    /// from one to the other, where the pose is met.
+    /// from one to the other the pose is met as well as it is by them.
     pub(crate) fn are_one(&self, pose: &Frame, a: &[f64; JOINTS], b: &[f64; JOINTS]) -> bool {
-        let way = Pose { arm: *self, target: *pose }.way(a, b);
+        let equations = Pose { arm: self.scaled(), target: self.in_reaches(pose) };
+        let [start, end] = [a, b].map(|q| {
+            let mut q = *q;
+            self.each_slide(&mut q, |value| value / self.reach);
+            q
+        });
+        let way = equations.way(&start, &end);
+        let most = Float::max(MET, 2.0 * Float::max(equations.miss(&start, 0).1, equations.miss(&end, 0).1));
         let is_between = |share: f64| {
-            let (q, met) = self.brought(pose, &moved(a, &way, share), BETWEEN);
-            met && self.is_singular(&q)
+            let (q, miss) = equations.miss(&moved(&start, &way, share), BETWEEN);
+            miss <= most && rank(&equations.columns(&q)) < JOINTS
         };
         way.iter().all(|part| libm::fabs(*part) <= LONGEST)
             && self.is_singular(a)
@@ -180,12 +198,11 @@ impl SixJoints<'_> {
             && [0.25, 0.5, 0.75].into_iter().all(is_between)
     }
 
-    /// Joint values (rad, m) after steps towards a pose, and whether they meet it.
-    fn brought(&self, pose: &Frame, q: &[f64; JOINTS], steps: usize) -> ([f64; JOINTS], bool) {
-        let (arm, mut start) = (self.scaled(), *q);
-        self.each_slide(&mut start, |value| value / self.reach);
-        let better = polish(start, &self.in_reaches(pose), 1.0, steps, |q| pose_and_jacobian(&arm, q));
-        (self.in_metres(better.q), better.position_error <= FOUND && better.rotation_error <= FOUND)
+    /// How far (reaches, rad) the tip is from a pose at joint values (rad, m).
+    pub(crate) fn miss(&self, pose: &Frame, q: &[f64; JOINTS]) -> f64 {
+        let mut q = *q;
+        self.each_slide(&mut q, |value| value / self.reach);
+        Pose { arm: self.scaled(), target: self.in_reaches(pose) }.miss(&q, 0).1
     }
 
     /// Whether joints may move by themselves there (rad, m), to first order.
@@ -223,14 +240,22 @@ impl Pose<'_> {
     }
 }
 
+impl Pose<'_> {
+    /// Joint values after so many steps towards the target, and what they miss it by (reaches, rad).
+    fn miss(&self, q: &[f64; JOINTS], steps: usize) -> ([f64; JOINTS], f64) {
+        let better = polish(*q, &self.target, 1.0, steps, |q| pose_and_jacobian(&self.arm, q));
+        (better.q, Float::max(better.position_error, better.rotation_error))
+    }
+}
+
 impl Equations<JOINTS> for Pose<'_> {
     fn columns(&self, q: &[f64; JOINTS]) -> [[f64; 6]; JOINTS] {
         pose_and_jacobian(&self.arm, q).1
     }
 
     fn onto(&self, q: &[f64; JOINTS]) -> Option<[f64; JOINTS]> {
-        let solution = polish(*q, &self.target, 1.0, STEPS, |q| pose_and_jacobian(&self.arm, q));
-        (solution.position_error <= FOUND && solution.rotation_error <= FOUND).then_some(solution.q)
+        let (q, miss) = self.miss(q, STEPS);
+        (miss <= FOUND).then_some(q)
     }
 
     fn slides(&self, place: usize) -> bool {
@@ -247,23 +272,34 @@ impl<const K: usize, E: Equations<K>> Curve<'_, K, E> {
         null_space(&self.0.columns(q), SINGULAR)
     }
 
-    /// One of them.
-    fn tangent(&self, q: &[f64; K]) -> Option<[f64; K]> {
-        self.directions(q).as_slice().first().copied()
-    }
-
-    /// The solution a step along the curve, unless there is none or it is the same again.
-    fn step(&self, q: &[f64; K], tangent: &[f64; K], length: f64) -> Option<[f64; K]> {
+    /// The solution a step along the curve, unless there is none, or little of the step is left.
+    fn step(&self, q: &[f64; K], tangent: &[f64; K], length: f64, least: f64) -> Option<[f64; K]> {
         let next = self.0.onto(&moved(q, tangent, length))?;
         let gone = difference(&next, q);
-        (dot(&gone, tangent) * length >= 0.5 * length * length).then_some(next)
+        (dot(&gone, tangent) * length >= least * length * length).then_some(next)
     }
 
-    /// Whether there are solutions at several distances, on one side or the other.
-    fn goes_on(&self, q: &[f64; K], tangent: &[f64; K]) -> bool {
-        [1.0, -1.0]
-            .iter()
-            .any(|side| TRIALS.iter().all(|length| self.step(q, tangent, side * length).is_some()))
+    /// Where solutions go on from there: of the directions in which what is prescribed stays, some across each other, then that with
+    /// the greatest part of each unknown, the ones along which there are solutions at several distances, to one side or the other.
+    /// Such a direction may be part of a curve and part one in which two solutions have met, so it is that in which the farthest of
+    /// them is that is returned.
+    fn ways<'s>(&'s self, q: &'s [f64; K]) -> impl Iterator<Item = [f64; K]> + Clone + 's {
+        let directions = self.directions(q);
+        let of_unknown = move |place: usize| {
+            let mut unknown = [0.0; K];
+            *unknown.get_mut(place)? = 1.0;
+            unit(&directions.part(&unknown), PART)
+        };
+        let across = directions.list.into_iter().take(directions.count);
+        across.chain((0..K).filter_map(of_unknown)).filter_map(move |direction| {
+            [1.0, -1.0].into_iter().find_map(|side| {
+                let mut farthest = None;
+                for length in TRIALS {
+                    farthest = Some(self.step(q, &direction, side * length, LEFT)?);
+                }
+                unit(&difference(&farthest?, q).map(|part| side * part), 0.0)
+            })
+        })
     }
 
     /// Downhill from a point of the curve, or of the surface where unknowns may move by themselves in several ways.
@@ -296,31 +332,33 @@ impl<const K: usize, E: Equations<K>> Curve<'_, K, E> {
 
     /// Hands every piece of the curve on, to both sides until it closes or ends.
     fn follow(&self, start: &[f64; K], each: &mut impl FnMut(&[f64; K], &[f64; K])) {
-        let Some(first) = self.tangent(start) else { return };
+        let Some(first) = self.ways(start).next() else { return };
         for side in [1.0, -1.0] {
             let (mut q, mut ahead) = (*start, first.map(|part| side * part));
-            for number in 0..STRIDES {
+            let mut has_left = false;
+            for _ in 0..STRIDES {
                 // Of the directions in which what is prescribed stays, the one that goes on as before.
                 let along = self.directions(&q).part(&ahead);
                 let length = libm::sqrt(square(&along));
                 let tangent = along.map(|part| part / length);
-                let next = [1.0, 0.3].iter().find_map(|part| self.step(&q, &tangent, part * STRIDE));
+                let next = [1.0, 0.3].iter().find_map(|part| self.step(&q, &tangent, part * STRIDE, ALONG));
                 let Some(next) = next.filter(|_| length > 0.5) else { break };
                 each(&q, &next);
                 ahead = difference(&next, &q);
                 let size = libm::sqrt(square(&ahead));
                 ahead = ahead.map(|part| part / size);
                 q = next;
-                if number > 1 && self.is_beside(&q, start) {
+                has_left |= !self.is_beside(&q, start, 2.0 * STRIDE);
+                if has_left && self.is_beside(&q, start, STRIDE) {
                     return;
                 }
             }
         }
     }
 
-    fn is_beside(&self, q: &[f64; K], other: &[f64; K]) -> bool {
+    fn is_beside(&self, q: &[f64; K], other: &[f64; K], distance: f64) -> bool {
         difference(q, other).iter().enumerate().all(|(place, part)| {
-            libm::fabs(if self.0.slides(place) { *part } else { part.wrap_angle() }) <= STRIDE
+            libm::fabs(if self.0.slides(place) { *part } else { part.wrap_angle() }) <= distance
         })
     }
 
@@ -330,21 +368,27 @@ impl<const K: usize, E: Equations<K>> Curve<'_, K, E> {
         let (mut q, from) = (start, own(&start));
         for _ in 0..MOST {
             let left = distance - (own(&q) - from);
-            let Some(tangent) = self.tangent(&q).filter(|_| libm::fabs(left) > ARRIVED) else { break };
+            let Some(tangent) = self.ways(&q).next().filter(|_| libm::fabs(left) > ARRIVED) else { break };
             let length = Float::max(Float::min(left / own(&tangent), LONGEST), -LONGEST);
-            let Some(next) = self.step(&q, &tangent, length) else { break };
+            let Some(next) = self.step(&q, &tangent, length, ALONG) else { break };
             q = next;
         }
         q
     }
 }
 
-fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+pub(super) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-fn square<const N: usize>(a: &[f64; N]) -> f64 {
+pub(super) fn square<const N: usize>(a: &[f64; N]) -> f64 {
     dot(a, a)
+}
+
+/// A vector, with length 1, that is longer than so much.
+fn unit<const K: usize>(vector: &[f64; K], least: f64) -> Option<[f64; K]> {
+    let length = libm::sqrt(square(vector));
+    (length > least).then(|| vector.map(|part| part / length))
 }
 
 /// How far values are from what is wanted, where something is.
@@ -357,7 +401,7 @@ fn difference<const K: usize>(a: &[f64; K], b: &[f64; K]) -> [f64; K] {
 }
 
 /// q + length * direction
-fn moved<const N: usize>(q: &[f64; N], direction: &[f64; N], length: f64) -> [f64; N] {
+pub(super) fn moved<const N: usize>(q: &[f64; N], direction: &[f64; N], length: f64) -> [f64; N] {
     let mut q = *q;
     q.iter_mut().zip(direction).for_each(|(value, part)| *value += length * part);
     q
@@ -368,63 +412,4 @@ fn greatest<const K: usize>(direction: &[f64; K], own: usize) -> Option<usize> {
     let sizes = direction.iter().take(own).map(|part| libm::fabs(*part)).enumerate();
     let greater = |best: (usize, f64), other: (usize, f64)| if other.1 > best.1 { other } else { best };
     sizes.filter(|(_, size)| *size > PART).reduce(greater).map(|(place, _)| place)
-}
-
-/// Directions of length 1, across each other.
-struct Directions<const K: usize> {
-    list: [[f64; K]; K],
-    count: usize,
-}
-
-impl<const K: usize> Directions<K> {
-    fn as_slice(&self) -> &[[f64; K]] {
-        self.list.get(..self.count).unwrap_or(&self.list)
-    }
-
-    /// The part of a vector that is along them.
-    fn part(&self, vector: &[f64; K]) -> [f64; K] {
-        self.as_slice().iter().fold([0.0; K], |sum, own| moved(&sum, own, dot(vector, own)))
-    }
-
-    fn push(&mut self, vector: &[f64; K]) {
-        let across = moved(vector, &self.part(vector), -1.0);
-        let length = libm::sqrt(dot(&across, &across));
-        if let Some(slot) = self.list.get_mut(self.count) {
-            *slot = across.map(|part| part / length);
-            self.count += 1;
-        }
-    }
-}
-
-/// The combinations of columns that are no longer than this, by elimination with the greatest pivot each time.
-fn null_space<const K: usize>(columns: &[[f64; 6]; K], least: f64) -> Directions<K> {
-    // Column, and the combination of the given ones that it is.
-    let mut open: [([f64; 6], [f64; K]); K] = [([0.0; 6], [0.0; K]); K];
-    for (index, (slot, column)) in open.iter_mut().zip(columns).enumerate() {
-        slot.0 = *column;
-        if let Some(entry) = slot.1.get_mut(index) {
-            *entry = 1.0;
-        }
-    }
-    let mut directions = Directions { list: [[0.0; K]; K], count: 0 };
-    let mut open = open.as_mut_slice();
-    loop {
-        let [first, others @ ..] = open else { return directions };
-        for other in others.iter_mut() {
-            if square(&other.0) > square(&first.0) {
-                core::mem::swap(first, other);
-            }
-        }
-        let size = square(&first.0);
-        if size <= least * least {
-            directions.push(&first.1);
-        } else {
-            for (column, combination) in others.iter_mut() {
-                let share = dot(column, &first.0) / size;
-                *column = moved(column, &first.0, -share);
-                *combination = moved(combination, &first.1, -share);
-            }
-        }
-        open = others;
-    }
 }

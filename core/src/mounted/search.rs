@@ -5,6 +5,7 @@ use crate::kinematics::padded;
 use crate::polish::descend;
 use crate::reachable::size;
 use crate::rules::wrap_all;
+use crate::search::indifferent;
 use crate::self_motion::free_unknown;
 use crate::solutions::{Solution, Solutions};
 use crate::unknowns::{UNKNOWNS, Unknowns};
@@ -168,13 +169,13 @@ impl<'s, S: Float> Search<'s, S> {
         let own = self.unknowns.q(x);
         let joints = self.unknowns.joints();
         let asked = core::array::from_fn(|place| place < joints.len());
-        let place = free_unknown(asked, None, |away: &[S; UNKNOWNS]| {
+        let free = free_unknown(asked, None, indifferent(), |away: &[S; UNKNOWNS]| {
             let mut there = *x;
             there.iter_mut().zip(away).for_each(|(value, away)| *value += *away);
             let (_, missing, columns) = self.at(&self.unknowns, &there);
             (missing, columns)
         });
-        let Some(joint) = place.and_then(|place| joints.get(place)).copied() else { return (own, None) };
+        let Some(joint) = free.and_then(|free| joints.get(free.place)).copied() else { return (own, None) };
         let slides = self.arm.joints().get(joint).is_some_and(|joint| joint.kind == JointKind::Prismatic);
         let aside = wanted.aside * if slides { self.reach } else { S::PI };
         let value = wanted.q.get(joint).copied().unwrap_or(S::ZERO) + aside;

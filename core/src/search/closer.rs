@@ -4,7 +4,7 @@ use super::motions::{Motions, UNKNOWNS};
 use super::{Search, accurate};
 use crate::polish::descend;
 use crate::rules::wrap_all;
-use crate::{Float, Frame, Solution, Solutions};
+use crate::{Float, Frame, Solution};
 
 /// The most steps that are taken, as of the full pose.
 const STEPS: usize = 24;
@@ -19,7 +19,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         motions: &Motions<'_, N, S>,
         pose_and_jacobian: &mut impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
     ) {
-        let found = core::mem::replace(&mut self.solutions, Solutions::EMPTY);
+        let found = self.solutions.take();
         for solution in found {
             let most = accurate(solution.free.is_some());
             if solution.position_error <= most * self.reach && solution.rotation_error <= most {

@@ -1,6 +1,6 @@
 //! The conditions that a table's inverse problem puts on its solutions (`where`).
 
-use super::Search;
+use super::{Movable, Search};
 use crate::{Float, Rule, residual_tolerance};
 
 /// How far (rad or m) a condition that includes its bound may be passed: roots at the bound are rounded to either side.
@@ -45,6 +45,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         rotation_error: S,
         conditions: &[Condition<S>],
     ) {
+        self.movable = Movable::No;
         let broken = Condition::broken(conditions);
         let tolerance: S = residual_tolerance();
         let hits = position_error <= tolerance * self.reach && rotation_error <= tolerance;

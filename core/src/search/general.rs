@@ -152,10 +152,10 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
 
     /// What is wanted (rad, m; NaN where nothing is) of unknowns that are found at once, and how far from there.
     fn wanted_of_all(&self) -> ([f64; JOINTS], f64) {
-        let Some((unknowns, away)) = self.wanted else { return ([0.0; JOINTS], 0.0) };
+        let Some((unknowns, seed)) = self.wanted else { return ([0.0; JOINTS], 0.0) };
         let mut wanted = [f64::NAN; JOINTS];
         wanted.iter_mut().zip(unknowns).for_each(|(to, from)| *to = from.to_f64());
-        (wanted, away.to_f64())
+        (wanted, seed.aside.to_f64())
     }
 
     /// One point of every curve.
@@ -188,14 +188,18 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
                 let minus = six.determinant(&point.q) < 0.0;
                 candidate = Candidate { q: point.q, free: point.joint, minus };
             }
-            let known = |other: &Candidate| {
+            let is_known = |other: &Candidate| {
                 let both = other.free.is_some() && candidate.free.is_some();
                 let near = scale * if both { SAME_POINT } else { SAME };
                 same(&other.q, &candidate.q, six.prismatic, near)
                     || (other.free == candidate.free && six.are_one(pose, &other.q, &candidate.q))
             };
-            if !list.as_slice().iter().any(known) {
-                list.push(candidate);
+            // A marked one before others, and the solution itself before what is nearly one beside it.
+            let rank = |one: &Candidate| (one.free.is_none(), six.miss(pose, &one.q));
+            match list.as_mut_slice().iter_mut().find(|other| is_known(other)) {
+                Some(other) if rank(&candidate) < rank(other) => *other = candidate,
+                Some(_) => {}
+                None => list.push(candidate),
             }
         }
         list

@@ -1,5 +1,6 @@
 //! What is prescribed of a problem, by its unknowns.
 
+use crate::self_motion::FreeUnknown;
 use crate::{Float, Frame, Step, Target};
 
 /// The most unknowns of a problem.
@@ -24,6 +25,25 @@ impl<const N: usize, S: Float> Motions<'_, N, S> {
             q.iter_mut().zip(motion).for_each(|(sum, own)| *sum += size * *own);
         }
         q
+    }
+
+    /// How far the unknowns go (rad, reaches) along a self-motion, if it goes straight on, until the joints are as near as they come to
+    /// where there is so much left to go (rad, m), and `aside` of that in half turns (reaches).
+    pub(super) fn along(
+        &self,
+        free: &FreeUnknown<UNKNOWNS, S>,
+        left: &[S; N],
+        aside: S,
+    ) -> Option<[S; UNKNOWNS]> {
+        let way = self.moved(&[S::ZERO; N], &free.way);
+        let (mut dot, mut square) = (S::ZERO, S::ZERO);
+        for (way, left) in way.iter().zip(left) {
+            dot += *way * *left;
+            square += *way * *way;
+        }
+        let (step, own) = (self.list.get(free.place)?.0, *free.way.get(free.place)?);
+        let times = dot / square + aside * step.half_range(self.reach) / (step.unit(self.reach) * own);
+        times.is_finite().then(|| free.way.map(|part| part * times))
     }
 
     /// What a tool frame misses of the target (reaches, rad), and how much less of it with each unknown, from the columns of

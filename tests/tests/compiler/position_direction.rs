@@ -12,7 +12,7 @@ use dh_codegen::verify::Level;
 use dh_core::{Frame, Kinematics, Seed, SolutionSet, Target, TargetKind, residual_tolerance};
 use dh_tests::engine;
 use dh_tests::oracle::Oracle;
-use std::f64::consts::{FRAC_PI_4, PI};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::sync::LazyLock;
 
 /// Rows as in [`super::classes`]. The axis of the tool meets that of the last joint in the origin of the last row's frame, or
@@ -208,4 +208,32 @@ fn an_arm_whose_last_joint_only_turns_the_tool_is_refused() {
     let compilation = compile(&format!("{rows}\n[tool]\nxyz = [0, 0, 0.1]\n{ENTRY}"), Level::Full);
     let text = format!("{:?}", compilation.diagnostics);
     assert!(text.contains("4 of the 5 ways"), "{text}");
+}
+
+/// An arm of six whose tool is square to the last axis, its last joint given: where that is a quarter turn and the arm stretched,
+/// what is missing vanishes to third order.
+const SQUARE_TOOL: &str = "[robot]\nname = \"square\"\nconvention = \"standard\"\nunits = { length = \"m\", angle = \"deg\" }\n\
+    [[joint]]\nd = 0.09\nalpha = 90\n[[joint]]\na = -0.425\n[[joint]]\na = -0.392\n[[joint]]\nd = 0.109\nalpha = 90\n\
+    [[joint]]\nd = 0.0947\nalpha = -90\n[[joint]]\n[tool]\nxyz = [0.0, 0.1, 0.05]\nrpy = [0, 90, 0]\n\
+    [[ik]]\nname = \"aim\"\ntarget = \"position_direction\"\nfree = [\"J6\"]\n";
+
+#[test]
+fn a_target_that_is_met_to_third_order_has_its_solution() {
+    let compiled = compile(SQUARE_TOOL, Level::Full);
+    let plan = &compiled.output.unwrap().plan;
+    let aim = plan.functions.iter().find(|f| f.kind == FunctionKind::Inverse(Some(0))).unwrap();
+    assert!(matches!(aim.steps.as_slice(), [Step::General { .. }]), "{:?}", compiled.diagnostics);
+    let (oracle, arm) = (Oracle::read(SQUARE_TOOL).unwrap(), engine::interpreter(SQUARE_TOOL).unwrap());
+    for quarters in [
+        [-1.0, -1.0, 0.0, 1.0, -1.0, -1.0],
+        [1.0, -1.0, 0.0, 1.0, -1.0, -1.0],
+        [0.0, -1.0, 0.0, 1.0, -1.0, -1.0],
+    ] {
+        let q = quarters.map(|quarters| quarters * FRAC_PI_2);
+        let mut set = SolutionSet::new();
+        arm.ik_at_into("aim", &target_of(&oracle.fk(&q)), &q[5..], &mut set).unwrap();
+        let nearest = set.nearest(&q).unwrap();
+        assert!(set.iter().all(|solution| solution.residual() < 1e-9), "{q:?}: {set:?}");
+        assert!(nearest.q.iter().zip(&q).all(|(a, b)| (a - b).abs() < 1e-3), "{q:?}: {set:?}");
+    }
 }

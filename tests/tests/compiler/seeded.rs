@@ -96,6 +96,39 @@ fn an_aligned_wrist_is_free_wherever_the_arm_is() {
     assert!(bent <= 3, "{bent} of 6000");
 }
 
+/// A spherical wrist behind an elbow, upper arm and forearm of 0.4 and 0.35 m.
+const ELBOW_AND_WRIST: &str = "[robot]\nname = \"elbow\"\nconvention = \"standard\"\nunits = { length = \"m\", angle = \"deg\" }\n\
+    [[joint]]\nd = 0.3\nalpha = -90\n[[joint]]\na = 0.4\n[[joint]]\nd = 0.05\nalpha = -90\n[[joint]]\nd = 0.35\nalpha = 90\n\
+    [[joint]]\nalpha = -90\n[[joint]]\nd = 0.1\n";
+
+/// Next to the stretched elbow, what steps leave of an aligned wrist is far more than rounding: it is marked all the same, and a
+/// seed that is a solution is found.
+#[test]
+fn an_aligned_wrist_is_free_next_to_a_stretched_elbow() {
+    let mut random = Random(12);
+    let (oracle, arm) =
+        (Oracle::read(ELBOW_AND_WRIST).unwrap(), engine::interpreter(ELBOW_AND_WRIST).unwrap());
+    for gap in [0.0, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3] {
+        for _ in 0..40 {
+            let mut q: Vec<f64> = (0..6).map(|_| PI * (2.0 * random.unit() - 1.0)).collect();
+            (q[2], q[4]) = (-FRAC_PI_2 + gap, 0.0);
+            let target = target_of(&oracle, &q);
+            let mut set = SolutionSet::new();
+            arm.ik_seeded_into(FULL_POSE, &target, &[], Some(Seed::new(&q)), &mut set).unwrap();
+            let nearest = set.nearest(&q).unwrap();
+            let known = 1e-6 + 3e-15 / f64::max(gap, 1e-9);
+            assert!(apart(nearest.q, &q) < known, "{gap:e} at {q:?}: {:?}", nearest.q);
+            assert!(nearest.free.is_some(), "{gap:e} at {q:?}: {:?}", nearest.q);
+            // Elbows that are nearer to each other are one curve up to rounding, or next to one.
+            if !(1e-9..1e-4).contains(&gap) {
+                arm.ik_into(FULL_POSE, &target, &mut set).unwrap();
+                let marked = set.iter().filter(|solution| solution.free.is_some()).count();
+                assert!((1..=2).contains(&marked), "{gap:e} at {q:?}: {set:?}");
+            }
+        }
+    }
+}
+
 /// With the tool straight down in the plane of the first axis an equation of the last joint says nothing, but the arm stands
 /// still: others say it.
 #[test]

@@ -111,7 +111,7 @@ pub(super) struct Inverse<'r, S, F> {
     pub(super) observer: F,
     pub(super) windings: &'r [Winding<'r, S>],
     /// Where the target leaves unknowns free.
-    pub(super) wanted: &'r Wanted<MAX_JOINTS, S>,
+    pub(super) wanted: &'r Wanted<'r, MAX_JOINTS, S>,
     pub(super) search: Searching<'r, S>,
 }
 
