@@ -42,7 +42,6 @@ use circuit::Circuit;
 use closer::View;
 pub(crate) use continuum::{Equations, OnCurve, beside, on_curve, rank};
 pub(crate) use jacobian::moved;
-use known::UNDECIDED;
 pub(crate) use known::{Known, same};
 pub(crate) use linear::solve;
 use mirror::Mirror;
@@ -296,8 +295,7 @@ impl SixJoints<'_> {
                     // polynomial is not to be trusted.
                     let mut add = |q: &[f64; JOINTS], determinant: f64| {
                         let new = known.insert(q, determinant);
-                        // Where roots have met there may be more of them, or a curve.
-                        outcome.doubtful |= new != likely || libm::fabs(determinant) <= UNDECIDED;
+                        outcome.doubtful |= new != likely;
                         if new {
                             found(&self.in_metres(*q), determinant);
                         }

@@ -61,6 +61,8 @@ pub struct Search<'a, const N: usize, S = f64> {
     solutions: Solutions<N, S>,
     /// Bit i is set where step i, solved last, left its unknown free.
     free_steps: u32,
+    /// Bit i is set where the equations of step i were once next to nothing: they may be what is left of none.
+    vague_steps: u32,
     /// Bit i is set where step i, solved last, took its `-` root.
     branch: u32,
     /// Of the steps before the one that was solved last, which are at the edge of their domain.
@@ -120,6 +122,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             windings,
             solutions: Solutions::EMPTY,
             free_steps: 0,
+            vague_steps: 0,
             branch: 0,
             edges: Edges::NONE,
             free_rows: [0; N],

@@ -58,8 +58,9 @@ pub(crate) fn free_unknown<const K: usize, S: Float>(
         let is_open = |place: &usize| open.get(*place) == Some(&true);
         let parts = (0..K).filter(is_open).map(|place| (place, still(&columns, place)));
         let greater = |a: (usize, [S; K]), b: (usize, [S; K])| if norm(&b.1) > norm(&a.1) { b } else { a };
-        let chosen = first.take().filter(is_open).map(|place| (place, still(&columns, place)));
-        let (place, _) = chosen.or_else(|| parts.reduce(greater))?;
+        let chosen = first.take().filter(is_open);
+        let greatest = || parts.reduce(greater).filter(|(_, part)| norm(part) > S::from_f64(LEAST));
+        let place = chosen.or_else(|| greatest().map(|(place, _)| place))?;
         *open.get_mut(place)? = false;
         let mut goes_on = |length: S| {
             let (mut end, kept) = step_of(place, &[S::ZERO; K], length, exact, &mut at)?;

@@ -84,9 +84,7 @@ pub(crate) fn on_curve<const K: usize>(
     own: usize,
 ) -> Option<OnCurve<K>> {
     let curve = Curve(equations);
-    let mut ways = curve.ways(start);
-    let tangent =
-        ways.clone().find(|direction| greatest(direction, own).is_some()).or_else(|| ways.next())?;
+    let tangent = curve.way(start, own)?;
     let mut q = curve.nearest(*start, wanted);
     let joint = curve.ways(&q).find_map(|way| greatest(&way, own)).or(greatest(&tangent, own));
     if let Some(joint) = joint.filter(|_| aside != 0.0) {
@@ -139,6 +137,7 @@ impl SixJoints<'_> {
         pose: &Frame,
         q: &[f64; JOINTS],
         wanted: &[f64; JOINTS],
+        own: usize,
         others: &(impl Iterator<Item = [f64; JOINTS]> + Clone),
     ) -> (u64, [f64; JOINTS]) {
         let equations = Pose { arm: self.scaled(), target: self.in_reaches(pose) };
@@ -149,7 +148,7 @@ impl SixJoints<'_> {
         };
         let (start, wanted) = (in_reaches(q), in_reaches(wanted));
         let (mut passed, mut nearest) = (0, (start, f64::INFINITY));
-        Curve(&equations).follow(&start, &mut |from, to| {
+        Curve(&equations).follow(&start, own, &mut |from, to| {
             let far = square(&equations.way(to, &wanted));
             if far < nearest.1 {
                 nearest = (*to, far);
@@ -283,7 +282,7 @@ impl<const K: usize, E: Equations<K>> Curve<'_, K, E> {
     /// the greatest part of each unknown, the ones along which there are solutions at several distances, to one side or the other.
     /// Such a direction may be part of a curve and part one in which two solutions have met, so it is that in which the farthest of
     /// them is that is returned.
-    fn ways<'s>(&'s self, q: &'s [f64; K]) -> impl Iterator<Item = [f64; K]> + Clone + 's {
+    fn ways<'s>(&'s self, q: &'s [f64; K]) -> impl Iterator<Item = [f64; K]> + 's {
         let directions = self.directions(q);
         let of_unknown = move |place: usize| {
             let mut unknown = [0.0; K];
@@ -300,6 +299,12 @@ impl<const K: usize, E: Equations<K>> Curve<'_, K, E> {
                 unit(&difference(&farthest?, q).map(|part| side * part), 0.0)
             })
         })
+    }
+
+    /// One of them, if there is one with one of the first `own` unknowns among those that move.
+    fn way(&self, q: &[f64; K], own: usize) -> Option<[f64; K]> {
+        let moves = |way: &[f64; K]| greatest(way, own).is_some();
+        self.ways(q).find(moves).or_else(|| self.ways(q).next())
     }
 
     /// Downhill from a point of the curve, or of the surface where unknowns may move by themselves in several ways.
@@ -331,8 +336,8 @@ impl<const K: usize, E: Equations<K>> Curve<'_, K, E> {
     }
 
     /// Hands every piece of the curve on, to both sides until it closes or ends.
-    fn follow(&self, start: &[f64; K], each: &mut impl FnMut(&[f64; K], &[f64; K])) {
-        let Some(first) = self.ways(start).next() else { return };
+    fn follow(&self, start: &[f64; K], own: usize, each: &mut impl FnMut(&[f64; K], &[f64; K])) {
+        let Some(first) = self.way(start, own) else { return };
         for side in [1.0, -1.0] {
             let (mut q, mut ahead) = (*start, first.map(|part| side * part));
             let mut has_left = false;
@@ -368,7 +373,8 @@ impl<const K: usize, E: Equations<K>> Curve<'_, K, E> {
         let (mut q, from) = (start, own(&start));
         for _ in 0..MOST {
             let left = distance - (own(&q) - from);
-            let Some(tangent) = self.ways(&q).next().filter(|_| libm::fabs(left) > ARRIVED) else { break };
+            let moves = |way: &[f64; K]| libm::fabs(own(way)) > PART && libm::fabs(left) > ARRIVED;
+            let Some(tangent) = self.ways(&q).find(moves) else { break };
             let length = Float::max(Float::min(left / own(&tangent), LONGEST), -LONGEST);
             let Some(next) = self.step(&q, &tangent, length, ALONG) else { break };
             q = next;

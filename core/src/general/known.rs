@@ -15,7 +15,7 @@ pub(crate) struct Known {
 }
 
 /// A determinant (reaches, rad) up to here may have either sign: that of a solution that has met another.
-pub(super) const UNDECIDED: f64 = 1e-6;
+const UNDECIDED: f64 = 1e-6;
 
 impl Known {
     /// None yet; two that are nearer than the tolerance are one.

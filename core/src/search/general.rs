@@ -182,7 +182,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
                     continue;
                 }
                 let others = found.as_slice().iter().map(|other| other.q);
-                let (also, nearest) = six.follow(pose, &q, &wanted, &others);
+                let (also, nearest) = six.follow(pose, &q, &wanted, own, &others);
                 passed |= also;
                 point = on_curve(&nearest).unwrap_or(point);
                 let minus = six.determinant(&point.q) < 0.0;

@@ -12,12 +12,13 @@ const APPROACHES: usize = 3;
 
 impl<const N: usize, S: Float> Search<'_, N, S> {
     /// [`Search::finish`], with what is known of the arm. Solutions that are off because steps were ill-conditioned are brought
-    /// nearer to the target first. A step that had nothing to say may leave its joint to others, and one that is not well-conditioned
-    /// says something where it should say nothing: a joint is marked as free where the arm can move with the target kept, and is the
-    /// one that moves.
+    /// nearer to the target first. A step that had nothing to say may leave its joint to others, and one that is not
+    /// well-conditioned says something where it should say nothing: a joint is marked as free where the arm can move with the
+    /// target kept, and is the one that moves.
     ///
     /// `motions` are the steps with what one unit (rad, m) of the unknown of each adds to the joint values, `pose_and_jacobian`
-    /// is the tool frame with the columns of the Jacobian. Only where a joint is marked, branches may have met, or a solution is off, is it asked for.
+    /// is the tool frame with the columns of the Jacobian. Only where a joint is marked, or nearly so, or a solution is off, is it
+    /// asked for.
     ///
     /// # Errors
     /// Those of [`Search::finish`].
@@ -65,6 +66,10 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         asked.iter_mut().zip(moves).for_each(|(asked, moves)| *asked = moves);
         let seed = self.wanted.map(|(_, seed)| seed);
         for mut solution in self.solutions.take() {
+            if solution.free.is_none() && self.vague_steps == 0 {
+                self.solutions.push(solution, self.windings);
+                continue;
+            }
             let marked = motions.list.iter().position(|(step, _)| Some(step.first_row()) == solution.free);
             let q = solution.q;
             let mut at = |x: &[S; UNKNOWNS]| {

@@ -21,6 +21,10 @@ const WELL_INSIDE: f64 = 1.0 / 64.0;
 /// machine epsilons: 5e-7 rad in f64, three times what counts as the same solution.
 const CLEAR: f64 = 1024.0;
 
+/// Two rows that are so many times the square root of the machine epsilon may be what ill-conditioned steps have left of nothing:
+/// 1e-6 in f64.
+const VAGUE: f64 = 64.0;
+
 /// Two rows are well-conditioned where the square of their determinant is more than this, in units of the fourth power of
 /// the larger one: no digit but the last two is lost then.
 const INDEPENDENT: f64 = 1e-4;
@@ -166,6 +170,9 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         }
         let (larger, h, smaller, h_small) =
             if h1 >= h2 { (first, h1, second, h2) } else { (second, h2, first, h1) };
+        if h <= S::from_f64(VAGUE) * S::SQRT_EPSILON * scale.size {
+            self.vague_steps |= step.bit();
+        }
         // Coefficients that are themselves the root of a rounding error (the sine of a wrist angle next to 0) are 0 if
         // the right-hand sides, which are known to the last digits, are.
         if h <= scale.vanishing || (h <= scale.tolerance && gap <= scale.vanishing) {
