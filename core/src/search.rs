@@ -88,7 +88,7 @@ pub struct Search<'a, const N: usize, S = f64> {
     movable: Movable,
 }
 
-/// See [`Search`].
+/// Whether a solution with a free joint may be set to another value of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Movable {
     Yes,

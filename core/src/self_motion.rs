@@ -13,8 +13,8 @@ const LEAST: f64 = 0.03;
 /// How far (rad, reaches) unknowns are moved to see whether solutions go on.
 const TRIAL: f64 = 0.05;
 
-/// The part of that which an unknown keeps where it is free, at least. Of as many directions as there are unknowns, each of
-/// which changes nothing at first, one may be a curve; the unknown that takes the greatest part in it keeps a sixth.
+/// The part of that which an unknown keeps where it is free, at least. Where it keeps less, the step may have been along a direction
+/// in which two solutions have met, more than along a curve.
 const KEPT: f64 = 0.125;
 
 /// So many such steps are made where it is asked how far.
