@@ -176,6 +176,24 @@ pub fn target_inputs(target: crate::model::Target) -> &'static [&'static str] {
     target.input_names()
 }
 
+/// The runtime's word for what a problem prescribes.
+pub fn target_kind(target: crate::model::Target) -> dh_core::TargetKind {
+    use crate::model::Target;
+    use dh_core::TargetKind;
+    match target {
+        Target::Pose => TargetKind::Pose,
+        Target::Position => TargetKind::Position,
+        Target::PositionDirection => TargetKind::PositionDirection,
+        Target::PositionYaw => TargetKind::PositionYaw,
+        Target::Rotation => TargetKind::Rotation,
+        Target::Direction => TargetKind::Direction,
+        Target::Ray => TargetKind::Ray,
+        Target::Lookat => TargetKind::Lookat,
+        Target::Xy => TargetKind::Xy,
+        Target::XyYaw => TargetKind::XyYaw,
+    }
+}
+
 /// Operation counts of a function, of what is left after constants are folded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counts {

@@ -209,15 +209,27 @@ impl<S: Float> Target<S> {
     /// A tool frame that meets the target: the only one that meets a pose. `None` where the target has no point or
     /// prescribes the tool of planar arms only.
     pub fn frame(&self) -> Option<Frame<S>> {
-        Some(match self {
+        match self {
+            Self::Rotation(_) | Self::Direction(_) | Self::Xy(_) | Self::XyYaw { .. } => None,
+            _ => Some(self.any_frame()),
+        }
+    }
+
+    /// The same with anything for what the target does not speak of.
+    pub(crate) fn any_frame(&self) -> Frame<S> {
+        let level = |[x, y]: [S; 2]| [x, y, S::ZERO];
+        match self {
             Self::Pose(frame) => *frame,
             Self::Position(position) | Self::Lookat(position) => Frame::from_translation(*position),
             Self::PositionDirection { position, direction } | Self::Ray { position, direction } => {
                 Frame { rotation: along(*direction), translation: *position }
             }
             Self::PositionYaw { position, yaw } => Frame::from_rpy(*position, [S::ZERO, S::ZERO, *yaw]),
-            Self::Rotation(_) | Self::Direction(_) | Self::Xy(_) | Self::XyYaw { .. } => return None,
-        })
+            Self::Rotation(rotation) => Frame { rotation: *rotation, ..Frame::IDENTITY },
+            Self::Direction(direction) => Frame { rotation: along(*direction), ..Frame::IDENTITY },
+            Self::Xy(position) => Frame::from_translation(level(*position)),
+            Self::XyYaw { position, yaw } => Frame::from_rpy(level(*position), [S::ZERO, S::ZERO, *yaw]),
+        }
     }
 
     /// How far a tool frame is from the target, in what the target prescribes: position (m) and rotation error (rad).

@@ -1,11 +1,13 @@
 //! Functions for what nothing better is known of: one step that searches for all unknowns at once.
 
 use super::general::{inputs, sum};
-use super::{Counts, Form, Function, FunctionKind, Measure, Scalar, Stage, Step, ValueId, unknowns};
+use super::{
+    Counts, Form, Function, FunctionKind, Measure, Scalar, Stage, Step, ValueId, target_kind, unknowns,
+};
 use crate::model::{JointKind, Model, Problem, Target};
 use crate::symbolic::inverse_kinematics::rows::{self, Rows};
 use crate::symbolic::inverse_kinematics::{Linear, Refusal};
-use dh_core::{BranchBit, BranchWord, Frame, RowChain, Target as Asked, TargetKind};
+use dh_core::{BranchBit, BranchWord, Frame, RowChain, Target as Asked};
 
 /// The chain of a [`Step::Descents`], as `dh_core::RowChain` takes it.
 #[derive(Debug, Clone, PartialEq)]
@@ -211,22 +213,11 @@ fn samples(model: &Model, problem: &Problem, chain: &FollowingChain) -> Vec<Samp
 }
 
 /// What of the tip a target prescribes.
-fn asked(target: Target, tip: &Frame, reach: f64) -> Asked {
-    let kind = match target {
-        Target::Pose => TargetKind::Pose,
-        Target::Position => TargetKind::Position,
-        Target::PositionDirection => TargetKind::PositionDirection,
-        Target::PositionYaw => TargetKind::PositionYaw,
-        Target::Rotation => TargetKind::Rotation,
-        Target::Direction => TargetKind::Direction,
-        Target::Ray => TargetKind::Ray,
-        Target::Lookat => {
-            return Asked::Lookat(tip.transform_point([0.0, 0.0, AHEAD * reach]));
-        }
-        Target::Xy => TargetKind::Xy,
-        Target::XyYaw => TargetKind::XyYaw,
-    };
-    Asked::of_frame(kind, tip)
+pub(super) fn asked(target: Target, tip: &Frame, reach: f64) -> Asked {
+    match target {
+        Target::Lookat => Asked::Lookat(tip.transform_point([0.0, 0.0, AHEAD * reach])),
+        _ => Asked::of_frame(target_kind(target), tip),
+    }
 }
 
 /// In how many ways the unknowns move what a target prescribes, at most.

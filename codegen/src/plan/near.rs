@@ -1,15 +1,17 @@
-//! Functions of nearly special arms: the closed form of the arm that was meant, corrected; the general chain where that is
-//! not sure to find everything.
+//! Functions of nearly special arms: the closed form of the arm that was meant, corrected; what finds all joints at once where
+//! that is not sure to find everything.
 
 mod gains;
+mod moves;
 
 use super::schedule::Constants;
-use super::{Function, GeneralChain, Scalar, Step, ValueId, general, inverse};
-use crate::model::product;
-use crate::model::{self, JointKind, Model, Problem};
-use crate::symbolic::inverse_kinematics::{self, Begins, Derivation, Stage, StageEquation};
+use super::{Function, GeneralChain, Scalar, Step, ValueId, descents, general, inverse, ways};
+use crate::model::geometry::Nominal;
+use crate::model::{JointKind, Model, Problem, Target, product};
+use crate::symbolic::inverse_kinematics::{self, Begins, Derivation, Refusal, StageEquation};
 use crate::symbolic::redundancy;
 use dh_core::{BranchBit, Forms, Frame, rotation_error};
+use moves::Moves;
 
 /// At how many joint vectors the two arms are compared.
 const SAMPLES: usize = 256;
@@ -20,59 +22,67 @@ const FARTHEST: f64 = 5e-3;
 
 /// The full pose by the nearly special arm's nominal one; `None` where there is none, or none with a closed form.
 pub(super) fn full_pose(model: &Model, constants: &mut Constants) -> Option<Function> {
-    let nominal = model.nominal()?.model;
-    let excess = model.joints.len().checked_sub(model::Target::Pose.rows())?;
+    let nominal = model.nominal()?;
+    let excess = model.joints.len().checked_sub(Target::Pose.rows())?;
     let free: Vec<Vec<usize>> = match excess {
         0 => vec![Vec::new()],
-        1 => redundancy::joints(&nominal).into_iter().map(|joint| vec![joint]).collect(),
+        1 => redundancy::joints(&nominal.model).into_iter().map(|joint| vec![joint]).collect(),
         _ => return None,
     };
-    let (problem, derivation) = inverse::least(&nominal, free).ok()?;
-    function(model, &nominal, None, &problem, &derivation, constants)
+    let (problem, derivation) = inverse::least(&nominal.model, free).ok()?;
+    function(model, &nominal, None, &problem, derivation, constants)
 }
 
-/// A problem of the table (an index into `Model::problems`) that prescribes the full pose.
+/// A problem of the table (an index into `Model::problems`).
 pub(super) fn problem(
     model: &Model,
     index: usize,
     problem: &Problem,
     constants: &mut Constants,
 ) -> Option<Function> {
-    let left = model.joints.len().checked_sub(problem.free.len())?;
-    if !problem.is_whole_pose() || left != model::Target::Pose.rows() {
+    // Solutions are moved after the steps: conditions would have to be asked again.
+    if !problem.filters.is_empty() {
         return None;
     }
-    let nominal = model.nominal()?.model;
-    let derivation = inverse_kinematics::derive(&nominal, problem).ok()?;
-    function(model, &nominal, Some(index), problem, &derivation, constants)
+    let nominal = if problem.target.is_any_turn() {
+        let nominal = model.nominal_to_tool_axis()?;
+        descents::regular(&nominal.model, problem).ok()?;
+        nominal
+    } else {
+        model.nominal()?
+    };
+    let derivation = inverse_kinematics::derive(&nominal.model, problem).ok()?;
+    function(model, &nominal, Some(index), problem, derivation, constants)
 }
 
 fn function(
     model: &Model,
-    nominal: &Model,
+    nominal: &Nominal,
     index: Option<usize>,
     problem: &Problem,
-    derivation: &Derivation,
+    mut derivation: Derivation,
     constants: &mut Constants,
 ) -> Option<Function> {
     // What is sure of the kernels' roots isn't known of four, nor of steps that begin between two joints.
-    let quartic = |stage: &Stage| matches!(stage.equation, StageEquation::Quartic(..));
-    if derivation.begins == Begins::Between || derivation.stages.iter().any(quartic) {
+    let begins = derivation.begins == Begins::Between;
+    if begins || !derivation.stages.iter().all(|stage| has_bounds(&stage.equation)) {
         return None;
     }
-    let unknowns: Vec<usize> =
-        (0..model.joints.len()).filter(|joint| !problem.free.contains(joint)).collect();
-    let deviation = deviation(model, nominal);
+    let moves = Moves::of(model, problem)?;
+    let deviation = deviation(model, &nominal.model);
     if deviation > FARTHEST {
         return None;
     }
-    let otherwise = general::function(model, index, problem).ok()?.function;
-    let mut function = inverse::function(model, index, problem, derivation, true, constants);
-    let gains = gains::of(nominal, &function, &constants.values(), deviation)?;
+    let otherwise = otherwise(model, index, problem).ok()?;
+    moves.keep_constraints(&mut derivation.joints);
+    let mut function = inverse::function(model, index, problem, &derivation, true, constants);
+    let gains = gains::of(&nominal.model, &function, problem.target, &moves, &constants.values(), deviation)?;
+    let joints = (problem.target == Target::Pose).then(|| joints(model, problem)).flatten();
     let nearly = Box::new(Nearly {
-        joints: joints(model, problem),
-        mirrored: unknowns.iter().filter(|joint| is_reversed(model, **joint)).count() % 2 == 1,
-        unknowns: unknowns.try_into().ok()?,
+        joints: joints.filter(|_| moves.follow.is_empty()),
+        mirrored: moves.mirrored != is_mirrored(problem.target, &otherwise),
+        unknowns: moves.unknowns,
+        follow: moves.follow,
         gains: gains.concat(),
         deviation,
     });
@@ -91,43 +101,64 @@ fn function(
     function.values.extend(otherwise.values.into_iter().skip(function.inputs));
     function.stages.extend(otherwise.stages);
     let otherwise = behind.steps(otherwise.steps);
-    let meant = nominal.geometry().class();
+    let meant = nominal.class();
     function.steps = vec![Step::Near { nearly, meant, body, otherwise }];
     Some(function)
+}
+
+/// Whether it is known by how much the roots of an equation are off.
+fn has_bounds(equation: &StageEquation) -> bool {
+    !matches!(equation, StageEquation::Quartic(..) | StageEquation::TrigEither(..))
+}
+
+/// A function that solves the table as it is.
+fn otherwise(model: &Model, index: Option<usize>, problem: &Problem) -> Result<Function, Refusal> {
+    match (index, problem.target) {
+        (None, _) | (_, Target::Pose) if problem.constraints.is_empty() => {
+            Ok(general::function(model, index, problem)?.function)
+        }
+        // The chain of six joints has each solution of these twice, with determinants of either sign.
+        (_, Target::Position | Target::Lookat) => descents::function(model, index, problem),
+        _ => ways::at_once(model, index),
+    }
+}
+
+/// Whether determinants of a chain of six joints have the other sign than those of what the target prescribes by the unknowns
+/// alone: the joints behind the tool are last, and of a ray the turn comes before the slide.
+fn is_mirrored(target: Target, otherwise: &Function) -> bool {
+    target == Target::Ray && otherwise.steps.iter().any(|step| matches!(step, Step::General { .. }))
 }
 
 /// What a nearly special arm is to the one that was meant, as [`dh_core::Nearly`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Nearly {
     /// The joints that are found (indices of q).
-    pub unknowns: [usize; 6],
+    pub unknowns: Vec<usize>,
+    /// See [`dh_core::Nearly::follow`].
+    pub follow: Vec<(usize, usize, f64)>,
     /// See [`dh_core::Nearly::gains`].
     pub gains: Vec<f64>,
     /// See [`dh_core::Nearly::deviation`].
     pub deviation: f64,
     /// See [`dh_core::Nearly::mirrored`].
     pub mirrored: bool,
-    /// See [`dh_core::Exact::joints`]; where joints are given, there is no such chain.
+    /// See [`dh_core::Exact::joints`]; `None` where joints are given, or anything but a pose.
     pub joints: Option<Forms>,
 }
 
 impl Nearly {
     /// As the numeric kernel takes it, with the arm as it is.
-    pub fn of<'a>(&'a self, chain: &'a GeneralChain) -> dh_core::Nearly<'a> {
+    pub fn of<'a>(&'a self, chain: Option<&'a GeneralChain>) -> dh_core::Nearly<'a> {
+        let exact = self.joints.zip(chain);
         dh_core::Nearly {
-            unknowns: self.unknowns,
+            unknowns: &self.unknowns,
+            follow: &self.follow,
             gains: &self.gains,
             deviation: self.deviation,
             mirrored: self.mirrored,
-            chain: self.joints.map(|joints| dh_core::Exact { arm: chain.arm(), joints }),
+            chain: exact.map(|(joints, chain)| dh_core::Exact { arm: chain.arm(), joints }),
         }
     }
-}
-
-/// Whether a joint turns (or slides) against its axis.
-fn is_reversed(model: &Model, joint: usize) -> bool {
-    let row = model.joints.get(joint).and_then(|row| model.rows.get(*row));
-    row.is_some_and(|row| row.terms.iter().any(|(of, coefficient)| *of == joint && *coefficient < 0.0))
 }
 
 /// The joints of an arm of six as forms in those of the chain: a factor each and a constant.
@@ -195,6 +226,13 @@ impl Behind {
     fn step(&self, step: Step) -> Step {
         match step {
             Step::General { stage, chain, given, roots, body } => Step::General {
+                stage: stage + self.stages,
+                chain,
+                given: self.scalars(given),
+                roots: roots.into_iter().map(|root| self.value(root)).collect(),
+                body: self.steps(body),
+            },
+            Step::Descents { stage, chain, given, roots, body } => Step::Descents {
                 stage: stage + self.stages,
                 chain,
                 given: self.scalars(given),

@@ -25,6 +25,8 @@ pub(super) struct Free<S> {
     any: bool,
     /// How many values at even distances are tried: none of a root that is known to some digits.
     even: u32,
+    /// Whether all of those are, though one leads to a solution.
+    every: bool,
     tried: u32,
     /// The first one.
     pub(super) value: S,
@@ -68,7 +70,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             free.outer = self.failure.take();
         } else {
             let failure = self.failure.take();
-            if self.accepted > free.accepted {
+            if self.accepted > free.accepted && !(free.every && free.tried < free.even) {
                 self.failure = free.outer;
                 return None;
             }
@@ -97,6 +99,7 @@ impl<S: Float> Free<S> {
             step,
             any: true,
             even: if wanted.is_some() { 2 * EVEN } else { EVEN },
+            every: false,
             tried: 0,
             value: start,
             start,
@@ -106,6 +109,11 @@ impl<S: Float> Free<S> {
             interval: [S::ZERO; 2],
             inner: [None; 2],
         }
+    }
+
+    /// The same with every value at even distances, for what each of them leads to.
+    pub(super) fn every(step: Step, accepted: u32) -> Self {
+        Self { every: true, ..Self::any(step, None, accepted) }
     }
 
     /// Of a root that is somewhere in an interval.

@@ -7,6 +7,7 @@
 //! what would make two roots one, or no root of one, solutions are looked for along the curve on which the tool hardly moves
 //! ([`curve`]); where that is not enough, by the general chain and at poses all around the target ([`seek`]).
 
+mod asked;
 mod blocks;
 mod cubic;
 mod curve;
@@ -17,22 +18,25 @@ mod steps;
 
 use super::{Roots, Search};
 use crate::branch::bit_of;
-use crate::frame::{dot, norm, sub};
+use crate::frame::{dot, sub};
 use crate::{
-    Branch, Float, Frame, GeneralArm, IkError, Polished, Solution, Solutions, Winding, residual_tolerance,
-    rotation_error,
+    Branch, Float, Frame, GeneralArm, IkError, Polished, Solution, Solutions, Target, Winding,
+    residual_tolerance,
 };
+use asked::Asked;
 use curve::Arm;
 use seek::Seek;
 
-/// How many joints are found.
+/// How many unknowns a pose has. Targets of fewer rows have as many as they have rows.
 const UNKNOWNS: usize = 6;
 
 /// What a nearly special arm is to the one that it was meant to be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearly<'a> {
-    /// The joints that are found (indices of q).
-    pub unknowns: [usize; UNKNOWNS],
+    /// The joints that are found (indices of q): as many as the target has rows.
+    pub unknowns: &'a [usize],
+    /// Joints that constraints make follow them: which unknown (an index into `unknowns`), which joint, by what factor.
+    pub follow: &'a [(usize, usize, f64)],
     /// By how much each step of the closed form is off, in the size of its equation: first what the deviation of the two
     /// arms makes at most; then, for the unknown of every step before, what one that is off by 1 (rad, reaches) does.
     pub gains: &'a [f64],
@@ -40,7 +44,7 @@ pub struct Nearly<'a> {
     pub deviation: f64,
     /// Whether the determinants of the Jacobians by these joints and by those of the arm's chain differ in sign.
     pub mirrored: bool,
-    /// The arm as it is, where all its joints are found.
+    /// The arm as it is, where a pose is asked for and all its joints are found.
     pub chain: Option<Exact<'a>>,
 }
 
@@ -58,19 +62,20 @@ pub type Forms = [[f64; UNKNOWNS + 1]; UNKNOWNS];
 
 /// A search of the arm that a nearly special one was meant to be.
 ///
-/// It has the steps of [`Search`], which are to be done for every pose of [`Near::next_pose`]. Where no step came near its
-/// singular condition, that is the target alone.
+/// It has the steps of [`Search`], which are to be done for every target of [`Near::next_target`]. Where no step came near its
+/// singular condition, that is one alone.
 #[derive(Debug, Clone)]
 pub struct Near<'a, const N: usize, S = f64> {
     search: Search<'a, N, S>,
-    unknowns: [usize; UNKNOWNS],
+    unknowns: &'a [usize],
+    follow: &'a [(usize, usize, f64)],
     gains: &'a [f64],
     /// What the unknown of each step may be off by (rad, reaches).
     off: [S; STEPS],
     doubtful: bool,
     /// What is singular among the steps that were solved last.
     singular: Singular,
-    target: Frame<S>,
+    target: Target<S>,
     begun: bool,
     seek: Option<Seek<N, S>>,
     deviation: f64,
@@ -154,12 +159,13 @@ const APART: f64 = 8.0;
 const MET: f64 = 1e6;
 
 impl<'a, const N: usize, S: Float> Near<'a, N, S> {
-    /// A new search, see [`Search::new`], for a pose of the tool.
+    /// A new search, see [`Search::new`], for a target.
     #[inline]
-    pub fn new(reach: S, windings: &'a [Winding<'a, S>], nearly: &Nearly<'a>, target: &Frame<S>) -> Self {
+    pub fn new(reach: S, windings: &'a [Winding<'a, S>], nearly: &Nearly<'a>, target: &Target<S>) -> Self {
         Self {
             search: Search::new(reach, windings),
             unknowns: nearly.unknowns,
+            follow: nearly.follow,
             gains: nearly.gains,
             off: [S::ZERO; STEPS],
             doubtful: false,
@@ -173,9 +179,9 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         }
     }
 
-    /// The next pose that the arm that was meant is to be solved for.
+    /// The next target that the arm that was meant is to be solved for.
     #[inline]
-    pub fn next_pose(&mut self) -> Option<Frame<S>> {
+    pub fn next_target(&mut self) -> Option<Target<S>> {
         if self.begun {
             if self.seek.is_none() {
                 // Real solutions come and go in pairs, one on each side of a singularity.
@@ -210,7 +216,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     /// A solution of the arm that was meant, with its tool frame there: brought to the target by Newton's method on the arm
     /// as it is, of which `pose_and_jacobian` is the tool frame with the columns of the Jacobian.
     #[inline]
-    pub fn accept_pose(
+    pub fn accept(
         &mut self,
         q: [S; N],
         tool: &Frame<S>,
@@ -219,20 +225,38 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         if self.seek.is_some() {
             self.seek_from(q, tool, pose_and_jacobian);
         } else {
-            let most = (S::from_f64(MET) * S::EPSILON).min(residual_tolerance());
-            let away = sub(tool.translation, self.target.translation);
-            let [a, b, c] = tool.rotation;
-            let [d, e, f] = self.target.rotation;
-            let (a, b, c) = (sub(a, d), sub(b, e), sub(c, f));
-            // The squares of the distance, and of the angle; twice that is what the rows are apart.
-            let far = most * self.search.reach;
-            let met = above(far * far, dot(away, away))
-                && above(S::TWO * most * most, dot(a, a) + dot(b, b) + dot(c, c));
+            let met = self.is_met(tool);
             let range = if met { self.corrected(q, &mut pose_and_jacobian) } else { S::INFINITY };
             if range > S::ZERO {
                 self.doubted(q, tool, met, range, pose_and_jacobian);
             }
         }
+    }
+
+    /// Whether a tool frame is the target's but for rounding.
+    #[inline]
+    fn is_met(&self, tool: &Frame<S>) -> bool {
+        let most = (S::from_f64(MET) * S::EPSILON).min(residual_tolerance());
+        let far = most * self.search.reach;
+        let Target::Pose(target) = &self.target else {
+            let (position_error, rotation_error) = self.target.errors(tool);
+            return position_error <= far && rotation_error <= most;
+        };
+        let away = sub(tool.translation, target.translation);
+        let [a, b, c] = tool.rotation;
+        let [d, e, f] = target.rotation;
+        let (a, b, c) = (sub(a, d), sub(b, e), sub(c, f));
+        // The squares of the distance, and of the angle; twice that is what the rows are apart.
+        above(far * far, dot(away, away)) && above(S::TWO * most * most, dot(a, a) + dot(b, b) + dot(c, c))
+    }
+
+    /// What is asked of the arm as it is.
+    #[inline]
+    fn asked<'t>(&self, target: &'t Target<S>) -> Asked<'t, S>
+    where
+        'a: 't,
+    {
+        Asked { target, unknowns: self.unknowns, follow: self.follow, reach: self.search.reach }
     }
 
     /// Adds the solution of the arm as it is that is next to a root, and says how far from there (rad, reaches) others may be
@@ -243,8 +267,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         q: [S; N],
         pose_and_jacobian: &mut impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
     ) -> S {
-        let reach = self.search.reach;
-        let Some(found) = newton::solve(q, &self.unknowns, &self.target, reach, pose_and_jacobian) else {
+        let Some(found) = newton::solve(q, &self.asked(&self.target), pose_and_jacobian) else {
             return S::INFINITY;
         };
         let solution = self.labels.solution(&found.at, found.determinant < S::ZERO);
@@ -267,26 +290,19 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         range: S,
         pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
     ) {
-        let (reach, target) = (self.search.reach, self.target);
-        let position_error = norm(sub(tool.translation, target.translation));
-        let rotation_error = rotation_error(&target.rotation, &tool.rotation);
+        let target = self.target;
+        let (position_error, rotation_error) = target.errors(tool);
         self.search.miss(position_error, rotation_error);
         if !met && self.singular.is_none() {
             // A false root of a squared equation; of one that nearly is none, nothing is known.
             let most = self.off.iter().fold(S::ZERO, |most, off| if *off > most { *off } else { most });
-            if above((position_error / reach).max(rotation_error), S::from_f64(MARGIN) * most) {
+            let missed = (position_error / self.search.reach).max(rotation_error);
+            if above(missed, S::from_f64(MARGIN) * most) {
                 return;
             }
         }
         let deviation = S::from_f64(self.deviation);
-        let mut arm = Arm {
-            unknowns: &self.unknowns,
-            target: &target,
-            reach,
-            labels: &self.labels,
-            deviation,
-            pose_and_jacobian,
-        };
+        let mut arm = Arm { asked: self.asked(&target), labels: &self.labels, deviation, pose_and_jacobian };
         let vague = self.off.iter().any(|off| *off >= S::from_f64(UNSURE));
         let all = match [self.singular.folds, self.singular.poles, self.singular.idle].map(u32::count_ones) {
             [0, 0, 0] => arm.follow(q, range, &mut self.search.solutions),

@@ -2,5 +2,6 @@
 
 mod drawn;
 mod near;
+mod near_problems;
 mod searched;
 mod shipped;

@@ -125,20 +125,21 @@ impl Body<'_> {
                 Step::Near { meant, body, otherwise, .. } => {
                     text.gap();
                     let meant = format!(
-                        "The arm that was meant: {}. Its solutions are brought to the pose.",
+                        "The arm that was meant: {}. Its solutions are brought to the target.",
                         clean(meant)
                     );
                     text.paragraph("//", &meant);
                     let near = self.leaves.paths.runtime("Near");
                     let ([reach, windings], nearly) = (self.search, self.nearly);
                     text.line(format!(
-                        "let mut search = {near}::new({reach}, &{windings}, &{nearly}, &pose);"
+                        "let mut search = {near}::new({reach}, &{windings}, &{nearly}, &target);"
                     ));
                     let some = self.leaves.paths.prelude("Some");
-                    text.line(format!("while let {some}(asked) = search.next_pose() {{"));
+                    text.line(format!("while let {some}(asked) = search.next_target() {{"));
                     let mut nested = Text::indented(text.indent() / 4 + 1);
-                    let rows: Vec<_> = (0..12).map(|i| self.name(ValueId(i))).collect();
-                    nested.line(format!("let [{}] = asked.rows();", rows.join(", ")));
+                    let numbers = self.function.inputs - self.function.free.len();
+                    let numbers: Vec<_> = (0..numbers).map(|i| self.name(ValueId(i))).collect();
+                    nested.line(format!("let [{}] = asked.numbers().array();", numbers.join(", ")));
                     self.steps(&mut nested, body, accept);
                     text.append(&nested.into_string());
                     text.line("}");
@@ -147,9 +148,8 @@ impl Body<'_> {
                     text.line("}");
                     text.gap();
                     text.paragraph("//", "Where those may not be all, the arm as it is.");
-                    let target = self.leaves.paths.runtime("Target");
-                    text.line(format!("let target = {target}::Pose(pose);"));
-                    text.line("let mut search = search.otherwise(&wanted);");
+                    let given = given(&self.function.free);
+                    text.line(format!("let mut search = search.otherwise(&wanted){given};"));
                     self.steps(text, otherwise, accept);
                 }
                 Step::Accept { q, tool, polish } => accept(text, &Candidate { q, tool, polish: *polish }),
@@ -192,7 +192,7 @@ impl Body<'_> {
     pub(super) fn search(&self, [kind, constructor]: [&str; 2], more: &str, given: &[usize]) -> String {
         let [reach, windings] = self.search;
         let kind = self.leaves.paths.runtime(kind);
-        let given = if given.is_empty() { String::new() } else { format!(".with_given(&{given:?})") };
+        let given = self::given(given);
         format!("let mut search = {kind}::{constructor}({reach}, &{windings}, &{more}){given};")
     }
 
@@ -265,4 +265,9 @@ fn explain(text: &mut Text, stage: &Stage) {
         text.paragraph("//", &equation);
         text.paragraph("//", &format!("({origin})"));
     }
+}
+
+/// Tells a search which joints the caller gives.
+fn given(joints: &[usize]) -> String {
+    if joints.is_empty() { String::new() } else { format!(".with_given(&{joints:?})") }
 }

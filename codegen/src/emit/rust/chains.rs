@@ -30,7 +30,12 @@ impl Printer<'_> {
         let ty = self.paths.runtime("Nearly");
         text.line("#[rustfmt::skip]");
         text.line(format!("const {name}: {ty}<'static> = {ty} {{"));
-        text.line(format!("    unknowns: {:?},", nearly.unknowns));
+        text.line(format!("    unknowns: &{:?},", nearly.unknowns));
+        let follow = nearly
+            .follow
+            .iter()
+            .map(|(place, joint, factor)| format!("({place}, {joint}, {})", self.exact(*factor).flat()));
+        text.line(format!("    follow: &[{}],", follow.collect::<Vec<_>>().join(", ")));
         text.line(
             "    // What each step is off by: by the deviation; by earlier unknowns that are off by 1.",
         );

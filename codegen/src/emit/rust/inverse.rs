@@ -43,7 +43,8 @@ impl<'a> Printer<'a> {
         self.arms(&mut lines, &function.steps, &locals);
         lines.gap();
         let (numbers, free) = input_patterns(function, problem, &body);
-        let source = if polishes(&function.steps) {
+        let near = matches!(function.steps[..], [Step::Near { .. }]);
+        let source = if polishes(&function.steps) && !near {
             lines.line("let pose = target.validate_pose()?;");
             "pose.rows()"
         } else {
@@ -51,7 +52,6 @@ impl<'a> Printer<'a> {
             lines.line(format!("let target = target.validate_as({kind})?;"));
             "target.numbers().array()"
         };
-        let near = matches!(function.steps[..], [Step::Near { .. }]);
         if let (Some(numbers), false) = (numbers, near) {
             lines.line(format!("let {numbers} = {source};"));
         }
@@ -167,8 +167,8 @@ impl<'a> Printer<'a> {
         };
         if candidate.polish {
             let near = matches!(body.function.steps[..], [Step::Near { .. }]);
-            let target = if near { "" } else { "&pose, " };
-            text.line(format!("search.accept_pose(q, {tool}, {target}pose_and_jacobian);"));
+            let (accept, target) = if near { ("accept", "") } else { ("accept_pose", "&pose, ") };
+            text.line(format!("search.{accept}(q, {tool}, {target}pose_and_jacobian);"));
             return;
         }
         let tool = Expression::Atom(tool.to_owned());

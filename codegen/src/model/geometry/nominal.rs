@@ -1,8 +1,8 @@
 //! The special arm that a nearly special one was meant to be.
 
 use super::super::chain::between;
-use super::super::{Angle, Convention, Model, Row};
-use super::{EXACT, Geometry, NEARLY_PARALLEL, Relation, RelationKind};
+use super::super::{Angle, Convention, Model, Rotation, Row};
+use super::{EXACT, Geometry, NEARLY_PARALLEL, Relation, RelationKind, Transform};
 use core::f64::consts::PI;
 
 /// How many times as far.
@@ -20,6 +20,20 @@ pub struct Nominal {
     pub geometry: Geometry,
     /// Numbers of rows that are not those of the table.
     pub changes: Vec<Change>,
+    /// Whether the tool's z axis, which was nearly parallel to the last joint's, is.
+    pub tool_turned: bool,
+}
+
+impl Nominal {
+    /// What kind of arm it is, in the field's words.
+    pub fn class(&self) -> String {
+        let class = self.geometry.class();
+        if self.tool_turned {
+            format!("{class}, the tool's z axis parallel to the last joint's")
+        } else {
+            class
+        }
+    }
 }
 
 /// A number that was changed (rad or m).
@@ -56,8 +70,44 @@ impl Model {
         let after = model.geometry();
         let gained = after.exact().count() > geometry.exact().count();
         let changes = changes(&self.rows, &model.rows);
-        gained.then_some(Nominal { model, geometry: after, changes })
+        gained.then_some(Nominal { model, geometry: after, changes, tool_turned: false })
     }
+
+    /// The same for targets that leave open how the tool is turned about its z axis, which then is as an axis behind the last
+    /// joint's: where it is nearly parallel to that, it becomes so, the tool point staying where it is.
+    pub(crate) fn nominal_to_tool_axis(&self) -> Option<Nominal> {
+        let nominal = self.nominal();
+        let model = nominal.as_ref().map_or(self, |nominal| &nominal.model);
+        let chain = model.chain();
+        let step = Transform::of_link(chain.links.last().filter(|_| !chain.joints.is_empty())?);
+        let [x, y, z] = step.axis();
+        let off = libm::atan2(libm::hypot(x, y), z.abs());
+        if off <= EXACT || off > NEARLY_PARALLEL {
+            return nominal;
+        }
+        let mut model = model.clone();
+        // In the frame behind the last joint: from the tool's z axis to that of the joint.
+        let turn = Transform::from_rotation(onto(step.axis(), [0.0, 0.0, z.signum()]));
+        let step = Transform::from_rotation(step.rotation);
+        let tool = Transform::of_rotation(&model.tool.rotation);
+        let turned = tool.times(&step.inverse_rotation()).times(&turn).times(&step);
+        model.tool.rotation = Rotation::Matrix(turned.rotation);
+        let geometry = model.geometry();
+        let changes = nominal.map_or_else(Vec::new, |nominal| nominal.changes);
+        Some(Nominal { model, geometry, changes, tool_turned: true })
+    }
+}
+
+/// The least turn from one unit vector to another near to it.
+fn onto([x, y, z]: [f64; 3], [a, b, c]: [f64; 3]) -> [[f64; 3]; 3] {
+    // v = from x to: 1 + [v] + [v]^2 / (1 + from . to)
+    let [i, j, k] = [y * c - z * b, z * a - x * c, x * b - y * a];
+    let share = (1.0 + x * a + y * b + z * c).recip();
+    [
+        [1.0 - share * (j * j + k * k), share * i * j - k, share * i * k + j],
+        [share * i * j + k, 1.0 - share * (i * i + k * k), share * j * k - i],
+        [share * i * k - j, share * j * k + i, 1.0 - share * (i * i + j * j)],
+    ]
 }
 
 /// Twists that are as near to a multiple of 15 degrees as other numbers are to what was meant, or a few times as far,

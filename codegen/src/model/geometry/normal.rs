@@ -1,7 +1,7 @@
 //! The common normal of two neighbouring axes, from the numbers of the link between them.
 
-use super::super::Angle;
 use super::super::chain::{Element, Link};
+use super::super::{Angle, Rotation};
 use super::NEARLY_PARALLEL;
 
 /// The shortest segment between two axes. Each axis is the z axis of its joint's frame.
@@ -69,6 +69,26 @@ impl Transform {
         transform
     }
 
+    pub(super) fn from_rotation(rotation: [[f64; 3]; 3]) -> Self {
+        Self { rotation, translation: [0.0; 3] }
+    }
+
+    /// A turn that the table gives.
+    pub(super) fn of_rotation(rotation: &Rotation) -> Self {
+        match rotation {
+            Rotation::Rpy([roll, pitch, yaw]) => {
+                Self::about(2, *yaw).times(&Self::about(1, *pitch)).times(&Self::about(0, *roll))
+            }
+            Rotation::Matrix(rows) => Self::from_rotation(*rows),
+        }
+    }
+
+    /// The turn back, without the way back.
+    pub(super) fn inverse_rotation(&self) -> Self {
+        let [[a, b, c], [d, e, f], [g, h, i]] = self.rotation;
+        Self::from_rotation([[a, d, g], [b, e, h], [c, f, i]])
+    }
+
     /// A turn about z.
     pub(super) fn turned(angle: Angle) -> Self {
         Self::about(2, angle)
@@ -81,7 +101,7 @@ impl Transform {
             1 => [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]],
             _ => [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]],
         };
-        Self { rotation, translation: [0.0; 3] }
+        Self::from_rotation(rotation)
     }
 
     pub(in crate::model) fn of_link(link: &Link) -> Self {
@@ -89,7 +109,7 @@ impl Transform {
             product.times(&match element {
                 Element::Translate { axis, value, .. } => Self::along(*axis, *value),
                 Element::Rotate { axis, angle, .. } => Self::about(*axis, *angle),
-                Element::Matrix { rows, .. } => Self { rotation: *rows, translation: [0.0; 3] },
+                Element::Matrix { rows, .. } => Self::from_rotation(*rows),
             })
         })
     }

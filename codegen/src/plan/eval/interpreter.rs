@@ -56,7 +56,7 @@ impl<'p, S: Float> Interpreter<'p, S> {
             problems.push(match index.and_then(|index| model.problems.get(index)) {
                 Some(problem) => ProblemInfo {
                     name: &problem.name,
-                    target: robot::target_kind(problem.target),
+                    target: crate::plan::target_kind(problem.target),
                     free: &function.free,
                     constraints: &function.constraints,
                     branch: &function.branch,

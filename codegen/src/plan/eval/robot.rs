@@ -2,9 +2,7 @@
 
 use super::Program;
 use crate::model::{self, Model};
-use dh_core::{
-    Axis, Bound, Float, Joint, JointKind, KeepOut, Limits, Servo, Side, SumLimit, TargetKind, Winding,
-};
+use dh_core::{Axis, Bound, Float, Joint, JointKind, KeepOut, Limits, Servo, Side, SumLimit, Winding};
 
 /// The joints in the order of q.
 pub(super) fn joints<S: Float>(model: &Model) -> Vec<Joint<'_, S>> {
@@ -70,20 +68,4 @@ pub(super) fn keep_out<S: Float>(model: &Model) -> Vec<KeepOut<S>> {
     let corner = |corner: [f64; 3]| corner.map(S::from_f64);
     let boxes = model.workspace.keep_out.iter();
     boxes.map(|keep_out| KeepOut { min: corner(keep_out.min), max: corner(keep_out.max) }).collect()
-}
-
-/// The runtime's word for what a problem prescribes.
-pub(super) fn target_kind(target: model::Target) -> TargetKind {
-    match target {
-        model::Target::Pose => TargetKind::Pose,
-        model::Target::Position => TargetKind::Position,
-        model::Target::PositionDirection => TargetKind::PositionDirection,
-        model::Target::PositionYaw => TargetKind::PositionYaw,
-        model::Target::Rotation => TargetKind::Rotation,
-        model::Target::Direction => TargetKind::Direction,
-        model::Target::Ray => TargetKind::Ray,
-        model::Target::Lookat => TargetKind::Lookat,
-        model::Target::Xy => TargetKind::Xy,
-        model::Target::XyYaw => TargetKind::XyYaw,
-    }
 }

@@ -29,8 +29,8 @@ impl<S: Float> Registers<S> {
         self.0[register] = value;
     }
 
-    fn set_first(&mut self, values: [S; 12]) {
-        self.0.iter_mut().zip(values).for_each(|(slot, value)| *slot = value);
+    fn set_first(&mut self, values: &[S]) {
+        self.0.iter_mut().zip(values).for_each(|(slot, value)| *slot = *value);
     }
 
     fn all<const N: usize>(&self, registers: [Register; N]) -> [S; N] {
@@ -288,7 +288,6 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
     }
 
     fn near(&mut self, near: &'r routine::Near, registers: &mut Registers<S>) {
-        let Target::Pose(target) = self.target else { return };
         let chain = near.otherwise.iter().find_map(|instruction| match instruction {
             Instruction::AtOnce(all) => match &all.chain {
                 Chain::General(chain) => Some(chain),
@@ -296,20 +295,19 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
             },
             _ => None,
         });
-        let Some(chain) = chain else { return };
         let nearly = near.nearly.of(chain);
-        self.search = Searching::Near(Box::new(Near::new(self.reach, self.windings, &nearly, target)));
+        self.search = Searching::Near(Box::new(Near::new(self.reach, self.windings, &nearly, self.target)));
         while let Searching::Near(search) = &mut self.search
-            && let Some(asked) = search.next_pose()
+            && let Some(asked) = search.next_target()
         {
-            registers.set_first(asked.rows());
+            registers.set_first(&asked.numbers());
             self.block(&near.body, registers);
         }
         let Searching::Near(search) = &mut self.search else { return };
         if let Some(answer) = search.finish() {
             self.search = Searching::Done(answer);
         } else {
-            self.search = Searching::Exact(search.otherwise(self.wanted));
+            self.search = Searching::Exact(search.otherwise(self.wanted).with_given(&self.names.free));
             self.block(&near.otherwise, registers);
         }
     }
@@ -344,16 +342,19 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
         let hits = position_error <= tolerance * self.reach && rotation_error <= tolerance;
         let kept = hits && conditions.iter().all(Condition::holds);
         (self.observer)(Event::Candidate { q: joints, position_error, rotation_error, kept });
-        if let (Target::Pose(target), Some(both), true) = (self.target, self.both, polish) {
-            let dof = self.dof;
-            let exact = |q: &[S; MAX_JOINTS]| pose_and_jacobian(both, q.get(..dof).unwrap_or_default());
-            match &mut self.search {
-                Searching::Exact(search) => search.accept_pose(q, &tool, target, exact),
-                Searching::Near(near) => near.accept_pose(q, &tool, exact),
-                Searching::Done(_) => {}
+        let dof = self.dof;
+        let exact = self
+            .both
+            .map(|both| |q: &[S; MAX_JOINTS]| pose_and_jacobian(both, q.get(..dof).unwrap_or_default()));
+        match (&mut self.search, self.target, exact) {
+            (Searching::Near(near), _, Some(exact)) => near.accept(q, &tool, exact),
+            (Searching::Exact(search), Target::Pose(target), Some(exact)) if polish => {
+                search.accept_pose(q, &tool, target, exact);
             }
-        } else if let Searching::Exact(search) = &mut self.search {
-            search.accept_where(q, position_error, rotation_error, &conditions);
+            (Searching::Exact(search), ..) => {
+                search.accept_where(q, position_error, rotation_error, &conditions);
+            }
+            (Searching::Near(_) | Searching::Done(_), ..) => {}
         }
     }
 }

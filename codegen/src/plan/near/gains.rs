@@ -1,8 +1,8 @@
 //! By how much a step of a closed form is off where the target, or what earlier steps have found, is off.
 
-use super::super::{Equation, Function, Measure, Scalar, Step, ValueId};
-use super::{SAMPLES, frame, joint_vector};
-use crate::model::{JointKind, Model, product};
+use super::super::{Equation, Function, Measure, Scalar, Step, ValueId, descents};
+use super::{Moves, SAMPLES, frame, joint_vector};
+use crate::model::{JointKind, Model, Target, product};
 use dh_core::{Frame, Roots, Search};
 use std::f64::consts::TAU;
 
@@ -18,10 +18,12 @@ const DIFFERENCE: f64 = 1e-6;
 pub(super) fn of(
     nominal: &Model,
     function: &Function,
+    target: Target,
+    moves: &Moves,
     constants: &[f64],
     deviation: f64,
 ) -> Option<Vec<Vec<f64>>> {
-    let mut gains = greatest(nominal, function, constants)?;
+    let mut gains = greatest(nominal, function, target, moves, constants)?;
     for row in &mut gains {
         row.iter_mut().take(1).for_each(|gain| *gain *= SAFETY * deviation);
         for gain in row {
@@ -42,19 +44,25 @@ fn wrapped(angle: f64) -> f64 {
 }
 
 /// The greatest changes of equations with target and unknowns.
-fn greatest(nominal: &Model, function: &Function, constants: &[f64]) -> Option<Vec<Vec<f64>>> {
+fn greatest(
+    nominal: &Model,
+    function: &Function,
+    target: Target,
+    moves: &Moves,
+    constants: &[f64],
+) -> Option<Vec<Vec<f64>>> {
     let stages = function.stages.len();
     let mut gains: Vec<Vec<f64>> = (0..stages).map(|stage| vec![0.0; stage + 1]).collect();
     let mut solved = 0;
     for sample in 0..SAMPLES {
-        let q = joint_vector(nominal, sample);
-        let target = frame(&product::frames(nominal, &q).tool);
+        let q = moves.kept(joint_vector(nominal, sample));
+        let tool = frame(&product::frames(nominal, &q).tool);
         let given: Vec<f64> = function.free.iter().filter_map(|joint| q.get(*joint).copied()).collect();
-        let branch = Branch { nominal, function, constants, given };
-        let Some(roots) = branch.roots(&target, |stage, _| sample >> stage & 1) else { continue };
+        let branch = Branch { nominal, function, target, constants, given };
+        let Some(roots) = branch.roots(&tool, |stage, _| sample >> stage & 1) else { continue };
         solved += 1;
         let reach = branch.reach();
-        let at = branch.left(&target, &roots);
+        let at = branch.left(&tool, &roots);
         let mut squares = vec![0.0; stages];
         for direction in 0..6 {
             let mut twist = [0.0; 6];
@@ -63,7 +71,7 @@ fn greatest(nominal: &Model, function: &Function, constants: &[f64]) -> Option<V
             }
             let [x, y, z, roll, pitch, yaw] = twist;
             let step = Frame::from_rpy([x, y, z].map(|x| x * reach), [roll, pitch, yaw]);
-            let moved = target.compose(&step);
+            let moved = tool.compose(&step);
             for (square, change) in squares.iter_mut().zip(changes(&at, &branch.left(&moved, &roots))) {
                 *square += change * change;
             }
@@ -76,7 +84,7 @@ fn greatest(nominal: &Model, function: &Function, constants: &[f64]) -> Option<V
             if let Some(root) = moved.get_mut(unknown) {
                 *root += DIFFERENCE * if branch.slides(unknown) { reach } else { 1.0 };
             }
-            let changes = changes(&at, &branch.left(&target, &moved));
+            let changes = changes(&at, &branch.left(&tool, &moved));
             for (row, change) in gains.iter_mut().zip(changes).skip(unknown + 1) {
                 greater(row.get_mut(unknown + 1), change);
             }
@@ -101,6 +109,7 @@ fn changes(before: &[f64], after: &[f64]) -> Vec<f64> {
 struct Branch<'a> {
     nominal: &'a Model,
     function: &'a Function,
+    target: Target,
     constants: &'a [f64],
     given: Vec<f64>,
 }
@@ -118,10 +127,10 @@ impl Branch<'_> {
     }
 
     /// Roots of all steps; which of a list, a function says.
-    fn roots(&self, target: &Frame, choice: impl Fn(usize, &[f64]) -> usize) -> Option<Vec<f64>> {
+    fn roots(&self, tool: &Frame, choice: impl Fn(usize, &[f64]) -> usize) -> Option<Vec<f64>> {
         let mut roots = Vec::new();
         let mut found = true;
-        self.walk(target, |stage, equation, value| {
+        self.walk(tool, |stage, equation, value| {
             let step = self.step(stage);
             let mut search = Search::<1>::new(self.reach(), &[]);
             let number = |x: &Scalar| value(x);
@@ -148,9 +157,9 @@ impl Branch<'_> {
     }
 
     /// What the equation of each step is at these roots, in the size of its terms.
-    fn left(&self, target: &Frame, roots: &[f64]) -> Vec<f64> {
+    fn left(&self, tool: &Frame, roots: &[f64]) -> Vec<f64> {
         let mut left = Vec::new();
-        self.walk(target, |stage, equation, value| {
+        self.walk(tool, |stage, equation, value| {
             let x = roots.get(stage).copied().unwrap_or(0.0);
             let size = self.size(stage);
             let (s, c) = libm::sincos(x);
@@ -207,11 +216,12 @@ impl Branch<'_> {
     /// Goes through the steps; each equation is asked for the root to go on with. Returns all values.
     fn walk(
         &self,
-        target: &Frame,
+        tool: &Frame,
         mut root: impl FnMut(usize, &Equation, &dyn Fn(&Scalar) -> f64) -> f64,
     ) -> Vec<f64> {
         let mut values = vec![0.0; self.function.values.len()];
-        let inputs = target.rows().into_iter().chain(self.given.iter().copied());
+        let asked = descents::asked(self.target, tool, self.reach()).numbers();
+        let inputs = asked.iter().chain(&self.given).copied();
         values.iter_mut().zip(inputs).for_each(|(value, input)| *value = input);
         let mut steps = self.function.steps.as_slice();
         let mut open = Vec::new();

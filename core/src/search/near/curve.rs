@@ -5,11 +5,12 @@
 //! the self-motion of a singular arm leaves when the arm is a little other \[the reduction of Lyapunov and Schmidt; Golubitsky
 //! and Schaeffer, Singularities and Groups in Bifurcation Theory, §I.3\].
 
+use super::asked::Asked;
 use super::cubic::{lowest, root};
-use super::newton::{self, Equations};
+use super::newton;
 use super::reduced::Reduced;
 use super::{Labels, UNKNOWNS};
-use crate::polish::{Polished, polish};
+use crate::polish::{Polished, descend};
 use crate::{Float, Frame, Solution, Solutions};
 
 /// A candidate whose error (reaches, rad) Newton's method doesn't bring below this is none.
@@ -60,14 +61,8 @@ const DIVIDED: u32 = 6;
 const BESIDE: f64 = 1.0;
 
 /// The greatest difference of two sets of joint values, whole turns aside.
-pub(super) fn apart<const N: usize, S: Float>(a: &[S; N], b: &[S; N], unknowns: &[usize; UNKNOWNS]) -> S {
-    let mut away = S::ZERO;
-    for joint in unknowns {
-        if let (Some(a), Some(b)) = (a.get(*joint), b.get(*joint)) {
-            away = away.max((*a - *b).wrap_angle().abs());
-        }
-    }
-    away
+pub(super) fn apart<const N: usize, S: Float>(a: &[S; N], b: &[S; N]) -> S {
+    a.iter().zip(b).fold(S::ZERO, |away, (a, b)| away.max((*a - *b).wrap_angle().abs()))
 }
 
 /// A place on the curve.
@@ -86,6 +81,11 @@ struct Place<const N: usize, S> {
 }
 
 impl<const N: usize, S: Float> Place<N, S> {
+    /// Whether it is a double root, as far as rounding tells.
+    fn is_double(&self) -> bool {
+        self.missing.abs() <= S::from_f64(NOISE) * S::EPSILON && self.slope.abs() <= S::SQRT_EPSILON
+    }
+
     /// Whether a cubic is as good as what is missing up to another place, of which the leading joint is a stride apart.
     fn leads_to(&self, next: &Self, stride: S) -> bool {
         let change = (self.slope + next.slope * turned_to(self, next)) * stride / S::TWO;
@@ -94,6 +94,9 @@ impl<const N: usize, S: Float> Place<N, S> {
         off <= S::from_f64(OFF) * most + S::from_f64(512.0) * S::EPSILON
     }
 }
+
+/// So many machine epsilons (reaches, rad) of what is missing may be rounding.
+const NOISE: f64 = 256.0;
 
 /// How a curve ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,9 +111,7 @@ enum End {
 
 /// The arm as it is, to be brought to the target.
 pub(super) struct Arm<'a, const N: usize, S, F> {
-    pub(super) unknowns: &'a [usize; UNKNOWNS],
-    pub(super) target: &'a Frame<S>,
-    pub(super) reach: S,
+    pub(super) asked: Asked<'a, S>,
     pub(super) labels: &'a Labels<'a, S>,
     /// How far it is from that which was meant (reaches, rad).
     pub(super) deviation: S,
@@ -120,38 +121,38 @@ pub(super) struct Arm<'a, const N: usize, S, F> {
 impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm<'_, N, S, F> {
     /// Brings joint values to the target.
     pub(super) fn bring(&mut self, q: [S; N]) -> Option<Solution<N, S>> {
-        let exact = &mut self.pose_and_jacobian;
-        if let Some(found) = newton::solve(q, self.unknowns, self.target, self.reach, exact) {
+        if let Some(found) = newton::solve(q, &self.asked, &mut self.pose_and_jacobian) {
             return Some(self.labels.solution(&found.at, found.determinant < S::ZERO));
         }
         let met = S::from_f64(FOUND).max(S::from_f64(64.0) * S::EPSILON);
         let found = self.polish(q, STEPS);
-        if !(found.position_error <= met * self.reach && found.rotation_error <= met) {
+        if !(found.position_error <= met * self.asked.reach && found.rotation_error <= met) {
             return None;
         }
         let (tool, columns) = (self.pose_and_jacobian)(&found.q);
-        let negative = newton::is_negative(self.unknowns, &tool, &columns, self.reach);
+        let negative = newton::is_negative(&self.asked, &tool, &columns);
         Some(self.labels.solution(&found, negative))
     }
 
     /// By damped steps of the unknowns.
-    fn polish(&mut self, q: [S; N], steps: usize) -> Polished<N, S> {
-        let unknowns = self.unknowns;
-        let exact = &mut self.pose_and_jacobian;
-        polish(q, self.target, self.reach, steps, |q| {
-            let (tool, mut columns) = exact(q);
-            for (joint, column) in columns.iter_mut().enumerate() {
-                if !unknowns.contains(&joint) {
-                    *column = [S::ZERO; 6];
-                }
-            }
-            (tool, columns)
-        })
+    fn polish(&mut self, from: [S; N], steps: usize) -> Polished<N, S> {
+        let (asked, exact) = (self.asked, &mut self.pose_and_jacobian);
+        let at = |changes: &[S; UNKNOWNS]| {
+            let mut q = from;
+            asked.go(&mut q, changes);
+            q
+        };
+        let (changes, tool) = descend([S::ZERO; UNKNOWNS], steps, S::ZERO, |changes| {
+            let (tool, columns) = exact(&at(changes));
+            (tool, asked.missing(&tool), asked.columns(&tool, &columns))
+        });
+        let (position_error, rotation_error) = asked.target.errors(&tool);
+        Polished { q: at(&changes), position_error, rotation_error }
     }
 
     /// How little (reaches, rad) the tool moves at joint values with a joint that goes by 1.
     pub(super) fn stiffness(&mut self, q: [S; N]) -> S {
-        self.place(q, UNKNOWNS - 1, None).map_or(S::ZERO, |place| place.slope.abs())
+        self.place(q, self.asked.last(), None).map_or(S::ZERO, |place| place.slope.abs())
     }
 
     /// How much is missing (reaches, rad) at a place of the curve beside joint values.
@@ -161,14 +162,20 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
 
     /// The place of the curve beside joint values.
     fn start(&mut self, from: [S; N]) -> Option<Place<N, S>> {
-        let start = self.place(from, UNKNOWNS - 1, None)?;
-        super::above(S::from_f64(LONG), apart(&start.q, &from, self.unknowns)).then_some(start)
+        let start = self.place(from, self.asked.last(), None)?;
+        super::above(S::from_f64(LONG), apart(&start.q, &from)).then_some(start)
     }
 
     /// Adds the solutions on the curve beside joint values, as far as the leading joint goes within a range (rad, reaches).
     /// Says whether these are all.
     pub(super) fn follow(&mut self, from: [S; N], range: S, found: &mut Solutions<N, S>) -> bool {
         let Some(start) = self.start(from) else { return false };
+        // Where it is itself a double root, it is none between two places.
+        if start.is_double()
+            && let Some(hit) = self.bring(start.q)
+        {
+            found.push(hit, self.labels.windings);
+        }
         for side in [S::ONE, -S::ONE] {
             match self.walk(&start, side, range, found) {
                 End::Closed => return true,
@@ -216,9 +223,7 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
             }
             // Another strand of the curve may pass by the start, the other way.
             let onward = start.rates.get(at.lead).is_some_and(|rate| *rate * side * ahead > S::ZERO);
-            let back = onward
-                && gone > S::TWO * S::TWO * stride
-                && apart(&at.q, &start.q, self.unknowns) < S::TWO * stride;
+            let back = onward && gone > S::TWO * S::TWO * stride && apart(&at.q, &start.q) < S::TWO * stride;
             if back && self.close(&at, start, ahead, found) {
                 return End::Closed;
             }
@@ -234,12 +239,11 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
         ahead: S,
         found: &mut Solutions<N, S>,
     ) -> bool {
-        let joint = self.unknowns.get(at.lead).copied().unwrap_or(0);
+        let joint = self.asked.unknowns.get(at.lead).copied().unwrap_or(0);
         let [from, to] = [&at.q, &start.q].map(|q| q.get(joint).copied().unwrap_or(S::ZERO));
         let rest = (to - from).wrap_angle();
         let last = self.next(at, rest);
-        let Some(last) = last.filter(|last| apart(&last.q, &start.q, self.unknowns) < S::from_f64(CLOSED))
-        else {
+        let Some(last) = last.filter(|last| apart(&last.q, &start.q) < S::from_f64(CLOSED)) else {
             return false;
         };
         rest * ahead <= S::ZERO || self.between(at, &last, rest, DIVIDED, found)
@@ -248,11 +252,9 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
     /// The place where the leading joint is farther by a stride.
     fn next(&mut self, at: &Place<N, S>, stride: S) -> Option<Place<N, S>> {
         let mut q = at.q;
-        for (joint, rate) in self.unknowns.iter().zip(at.rates) {
-            *q.get_mut(*joint)? += stride * rate;
-        }
+        self.asked.go(&mut q, &at.rates.map(|rate| stride * rate));
         let next = self.place(q, at.lead, Some(&at.normal))?;
-        (apart(&next.q, &q, self.unknowns) < S::from_f64(0.5) * stride.abs()).then_some(next)
+        (apart(&next.q, &q) < S::from_f64(0.5) * stride.abs()).then_some(next)
     }
 
     /// Adds the solutions between two places, of which the leading joint of the first is a stride apart. Says whether these
@@ -276,9 +278,7 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
                 return true;
             }
             let Some(middle) = self.next(a, stride * share) else { return false };
-            let noise = S::from_f64(256.0) * S::EPSILON;
-            if middle.missing.abs() <= noise && middle.slope.abs() <= S::SQRT_EPSILON {
-                // A double root, as far as rounding tells.
+            if middle.is_double() {
                 if let Some(hit) = self.bring(middle.q) {
                     found.push(hit, self.labels.windings);
                 }
@@ -303,9 +303,8 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
             *value += share * (to - *value);
         }
         let size = S::from_f64(BESIDE) * stride.abs();
-        let exact = &mut self.pose_and_jacobian;
-        if let Some(hit) = newton::solve(q, self.unknowns, self.target, self.reach, exact)
-            && apart(&hit.at.q, &q, self.unknowns) <= size
+        if let Some(hit) = newton::solve(q, &self.asked, &mut self.pose_and_jacobian)
+            && apart(&hit.at.q, &q) <= size
         {
             found.push(self.labels.solution(&hit.at, hit.determinant < S::ZERO), self.labels.windings);
             return true;
@@ -313,7 +312,7 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
         if divided == 0 {
             let Some(hit) = self.bring(q) else { return false };
             found.push(hit, self.labels.windings);
-            return apart(&hit.q, &q, self.unknowns) <= size;
+            return apart(&hit.q, &q) <= size;
         }
         let Some(middle) = self.next(a, stride * share) else { return false };
         self.between(a, &middle, stride * share, divided - 1, found)
@@ -330,8 +329,7 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
         let long = S::from_f64(LONG);
         for _ in 0..CORRECTIONS {
             let (tool, jacobian) = (self.pose_and_jacobian)(&q);
-            let at = Equations::new(self.unknowns, &tool, &jacobian, self.target, self.reach)?;
-            let (columns, missing) = at.columns();
+            let (columns, missing) = (self.asked.columns(&tool, &jacobian), self.asked.missing(&tool));
             let mut reduced = Reduced::new(&columns, &missing, lead, normal);
             for _ in 0..UNKNOWNS {
                 let Some(other) = reduced.ahead() else { break };
@@ -348,12 +346,10 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
                 let Reduced { missing, slope, rates, normal, .. } = reduced;
                 return Some(Place { q, lead, missing, slope, rates, normal });
             }
-            for (joint, change) in self.unknowns.iter().zip(reduced.change) {
-                if !super::above(long, change.abs()) {
-                    return None;
-                }
-                *q.get_mut(*joint)? += change;
+            if !reduced.change.iter().all(|change| super::above(long, change.abs())) {
+                return None;
             }
+            self.asked.go(&mut q, &reduced.change);
         }
         None
     }
@@ -371,12 +367,11 @@ mod tests {
 
     #[test]
     fn whole_turns_are_no_distance() {
-        let unknowns = [0, 1, 2, 3, 4, 5];
         let q = [0.1, -0.2, 3.1, 0.0, 1.0, -3.0];
         let turned = q.map(|x| x + core::f64::consts::TAU);
-        assert!(apart(&q, &turned, &unknowns) < 1e-12);
+        assert!(apart(&q, &turned) < 1e-12);
         let mut other = turned;
         other[5] -= 0.25;
-        assert!((apart(&q, &other, &unknowns) - 0.25_f64).abs() < 1e-12);
+        assert!((apart(&q, &other) - 0.25_f64).abs() < 1e-12);
     }
 }

@@ -1,6 +1,7 @@
-//! Newton's method on all six coordinates of a pose, where it converges at once.
+//! Newton's method on all that a target prescribes, where it converges at once.
 
 use super::UNKNOWNS;
+use super::asked::Asked;
 use super::blocks::Blocks;
 use crate::frame::{dot, norm, sub};
 use crate::polish::{Polished, turn};
@@ -33,22 +34,22 @@ pub(super) struct Found<const N: usize, S> {
     pub(super) first: S,
 }
 
-/// Joint values brought to a pose; `None` where that is not a matter of a few steps.
+/// Joint values brought to a target; `None` where that is not a matter of a few steps.
 ///
 /// Where the first step is short beside what the Jacobian needs to become singular, there is one solution near the
 /// start, and the error is squared with every step \[Kantorovich; Ortega and Rheinboldt, Iterative Solution of Nonlinear
 /// Equations, §12.6\].
 pub(super) fn solve<const N: usize, S: Float>(
     start: [S; N],
-    unknowns: &[usize; UNKNOWNS],
-    target: &Frame<S>,
-    reach: S,
+    asked: &Asked<'_, S>,
     mut pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
 ) -> Option<Found<N, S>> {
     let (mut q, mut last) = (start, S::INFINITY);
     let (mut began, mut last_determinant) = (None, None);
     let mut first = S::ZERO;
-    let per_reach = S::ONE / reach;
+    let pose = asked.pose();
+    // Of a pose, lengths are metres until they are compared.
+    let per_reach = if pose.is_some() { S::ONE / asked.reach } else { S::ONE };
     let long = S::ONE.max(per_reach);
     let rounding = S::from_f64(ROUNDING) * S::EPSILON;
     let small = S::from_f64(SMALL) * S::EPSILON;
@@ -56,7 +57,10 @@ pub(super) fn solve<const N: usize, S: Float>(
         // Not taken apart: that would be a copy.
         let here = pose_and_jacobian(&q);
         let (tool, jacobian) = (&here.0, &here.1);
-        let missing = (sub(target.translation, tool.translation), turn(tool, target));
+        let missing = match pose {
+            Some((pose, _)) => (sub(pose.translation, tool.translation), turn(tool, pose)),
+            None => halves(asked.missing(tool)),
+        };
         let far = dot(missing.0, missing.0) * per_reach * per_reach;
         let angle = dot(missing.1, missing.1);
         // The square, as are what it is compared with.
@@ -69,35 +73,44 @@ pub(super) fn solve<const N: usize, S: Float>(
         last = error;
         let (step, determinant) = match (met, last_determinant) {
             (true, Some(determinant)) => ([S::ZERO; UNKNOWNS], determinant),
-            _ => step(unknowns, jacobian, missing, per_reach)?,
+            _ => match pose {
+                Some((_, joints)) => step(joints, jacobian, missing, per_reach)?,
+                None => Equations::new(asked, tool, jacobian).pivoted(),
+            },
         };
         last_determinant = Some(determinant);
         let negative = determinant < S::ZERO;
         let turned = *began.get_or_insert(negative) != negative;
         if met {
-            let at = Polished { q, position_error: norm(missing.0), rotation_error: norm(missing.1) };
+            let (position_error, rotation_error) =
+                if pose.is_some() { (norm(missing.0), norm(missing.1)) } else { asked.target.errors(tool) };
+            let at = Polished { q, position_error, rotation_error };
             return Some(Found { at, determinant, turned, first });
         }
         let (mut length, mut most) = (S::ZERO, S::ZERO);
-        for (joint, change) in unknowns.iter().zip(step) {
-            *q.get_mut(*joint)? += change;
+        for change in step {
             let size = change.abs();
             length += size;
             most = if size > most { size } else { most };
         }
+        asked.go(&mut q, &step);
         if first == S::ZERO {
             first = most;
         }
         // No second derivative of a pose by joint values is more than a reach (by a slide and a turn, 1).
         let length = length * long;
         let left = length * length;
-        if left <= S::from_f64(LEFT) * S::EPSILON {
+        if pose.is_some() && left <= S::from_f64(LEFT) * S::EPSILON {
             let bound = if left > rounding { left } else { rounding };
-            let at = Polished { q, position_error: bound * reach, rotation_error: bound };
+            let at = Polished { q, position_error: bound * asked.reach, rotation_error: bound };
             return Some(Found { at, determinant, turned, first });
         }
     }
     None
+}
+
+fn halves<S>([a, b, c, d, e, f]: [S; UNKNOWNS]) -> ([S; 3], [S; 3]) {
+    ([a, b, c], [d, e, f])
 }
 
 /// The columns of the joints that are found.
@@ -126,36 +139,30 @@ fn step<S: Float>(
 }
 
 /// Whether the determinant of the Jacobian is negative.
-pub(super) fn is_negative<S: Float>(
-    unknowns: &[usize; UNKNOWNS],
-    tool: &Frame<S>,
-    jacobian: &[[S; 6]],
-    reach: S,
-) -> bool {
-    Equations::new(unknowns, tool, jacobian, tool, reach).is_some_and(|mut at| at.pivoted().1 < S::ZERO)
+pub(super) fn is_negative<S: Float>(asked: &Asked<'_, S>, tool: &Frame<S>, jacobian: &[[S; 6]]) -> bool {
+    Equations::new(asked, tool, jacobian).pivoted().1 < S::ZERO
 }
 
-/// What is missing of a pose, and the change of joint values that makes up for it.
-pub(super) struct Equations<S> {
-    /// Columns of the Jacobian, and what is missing: reaches, then rad.
+/// What is missing of a target, and the change of the unknowns that makes up for it.
+struct Equations<S> {
+    /// Columns of the Jacobian, and what is missing (reaches, rad).
     rows: [[S; UNKNOWNS + 1]; UNKNOWNS],
 }
 
 impl<S: Float> Equations<S> {
     /// At a tool frame with its Jacobian.
-    #[inline]
-    pub(super) fn new(
-        unknowns: &[usize; UNKNOWNS],
-        tool: &Frame<S>,
-        jacobian: &[[S; 6]],
-        target: &Frame<S>,
-        reach: S,
-    ) -> Option<Self> {
-        let missing = (sub(target.translation, tool.translation), turn(tool, target));
-        Some(Self::of(columns_of(unknowns, jacobian)?, missing, S::ONE / reach))
+    fn new(asked: &Asked<'_, S>, tool: &Frame<S>, jacobian: &[[S; 6]]) -> Self {
+        let mut rows = [[S::ZERO; UNKNOWNS + 1]; UNKNOWNS];
+        let (columns, missing) = (asked.columns(tool, jacobian), asked.missing(tool));
+        for (place, column) in columns.iter().chain([&missing]).enumerate() {
+            for (row, entry) in rows.iter_mut().zip(column) {
+                row[place] = *entry;
+            }
+        }
+        Self { rows }
     }
 
-    /// Of columns and what is missing (m, rad).
+    /// Of columns and what is missing (m, rad) of a pose.
     fn of(columns: [&[S; 6]; UNKNOWNS], (away, turned): ([S; 3], [S; 3]), per_reach: S) -> Self {
         let mut rows = [[S::ZERO; UNKNOWNS + 1]; UNKNOWNS];
         let [px, py, pz] = away;
@@ -168,11 +175,6 @@ impl<S: Float> Equations<S> {
             }
         }
         Self { rows }
-    }
-
-    /// Columns of the Jacobian, and what is missing: reaches, then rad.
-    pub(super) fn columns(&self) -> ([[S; UNKNOWNS]; UNKNOWNS], [S; UNKNOWNS]) {
-        (core::array::from_fn(|place| self.rows.map(|row| row[place])), self.rows.map(|row| row[UNKNOWNS]))
     }
 
     /// By Gaussian elimination with partial pivoting, and the determinant; not finite where the equations are singular.

@@ -3,19 +3,20 @@
 //! Joint values that bring the arm as it is to the target bring the one that was meant to a pose near by. Where its closed
 //! form is singular at the target, it is not at most of these; roots that have met at the target part on one side of it.
 
+use super::asked::Asked;
 use super::curve::{Arm, apart};
-use super::{Exact, Near, UNKNOWNS};
+use super::{Exact, Near};
 use crate::evenly::evenly;
 use crate::frame::{norm, sub};
 use crate::polish::Polished;
 use crate::search::Search;
-use crate::{Branch, Float, Frame, IkError, Solution, Solutions, Wanted, Winding, rotation_error};
+use crate::{Branch, Float, Frame, IkError, Solution, Solutions, Target, Wanted, Winding};
 
 /// What has been found at poses around the target.
 #[derive(Debug, Clone)]
 pub(super) struct Seek<const N: usize, S> {
-    /// The pose that is asked for.
-    pose: Frame<S>,
+    /// The target that is asked for.
+    target: Target<S>,
     /// How many were.
     asked: u32,
     /// Of them, those since the last that led to something new.
@@ -32,6 +33,9 @@ pub(super) struct Seek<const N: usize, S> {
 
 /// So many poses in a row that lead to nothing new are the last.
 const PATIENCE: u32 = 7;
+
+/// The same for targets that leave something of the pose open.
+const LONGER: u32 = 15;
 
 /// But no more than this.
 const MOST: u32 = 200;
@@ -60,11 +64,11 @@ const NEARLY_SINGULAR: f64 = 0.03;
 const CROWDED: f64 = 5e-4;
 
 impl<const N: usize, S: Float> Near<'_, N, S> {
-    /// The next pose to be asked for: first the target itself, then others in opposite pairs.
+    /// The next target to be asked for: first the one that is wanted, then others about it in opposite pairs.
     #[cold]
     #[inline(never)]
-    pub(super) fn next_neighbour(&mut self) -> Option<Frame<S>> {
-        let target = self.target;
+    pub(super) fn next_neighbour(&mut self) -> Option<Target<S>> {
+        let (target, is_pose) = (self.target, self.asks_for_pose());
         if self.seek.is_none() {
             self.seek = Some(self.ask());
         }
@@ -75,24 +79,33 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         let number = seek.asked;
         seek.asked += 1;
         seek.idle += 1;
-        if seek.idle > PATIENCE || seek.asked > MOST {
+        let patience = if is_pose { PATIENCE } else { LONGER };
+        if seek.idle > patience || seek.asked > MOST {
             return None;
         }
         if number > 0 {
-            let [x, y, z, roll, pitch, yaw] = aside(number - 1, self.deviation).map(S::from_f64);
+            let mut step = aside(number - 1, self.deviation);
+            if !is_pose && number.is_multiple_of(2) {
+                // What a direction alone leaves open stays so.
+                step.iter_mut().skip(3).for_each(|turn| *turn = 0.0);
+            }
+            let [x, y, z, roll, pitch, yaw] = step.map(S::from_f64);
             let reach = self.search.reach;
             let step = Frame::from_rpy([x * reach, y * reach, z * reach], [roll, pitch, yaw]);
-            seek.pose = target.compose(&step);
+            seek.target = Target::of_frame(target.kind(), &target.any_frame().compose(&step));
         }
         self.search = Search::new(self.search.reach, self.search.windings);
-        Some(seek.pose)
+        Some(seek.target)
+    }
+
+    const fn asks_for_pose(&self) -> bool {
+        matches!(self.target, Target::Pose(_))
     }
 
     /// What the general chain finds as long as its doubts cost nothing.
     fn ask(&self) -> Seek<N, S> {
-        let target = &self.target;
         let mut seek = Seek {
-            pose: *target,
+            target: self.target,
             asked: 0,
             idle: 0,
             found: self.search.solutions.copied(),
@@ -101,7 +114,9 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
             walked: [[S::ZERO; N]; PLACES],
             places: 0,
         };
-        let Some(Exact { arm, joints }) = &self.chain else { return seek };
+        let (Some(Exact { arm, joints }), Target::Pose(target)) = (&self.chain, &self.target) else {
+            return seek;
+        };
         let Some(six) = arm.six(&[]) else { return seek };
         let pose = target.in_f64();
         let (_, sure) = six.solve_plainly(&pose, |values, determinant| {
@@ -136,29 +151,23 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
     ) {
         let Some(seek) = &mut self.seek else { return };
         let (reach, target) = (self.search.reach, self.target);
-        let position_error = norm(sub(tool.translation, seek.pose.translation));
-        let rotation_error = rotation_error(&seek.pose.rotation, &tool.rotation);
+        let (position_error, rotation_error) = seek.target.errors(tool);
         self.search.accept(q, position_error, rotation_error);
         let hopeless = S::from_f64(HOPELESS);
         if !(position_error <= hopeless * reach && rotation_error <= hopeless) {
             return;
         }
-        let unknowns = &self.unknowns;
-        let labels = &self.labels;
-        let mut arm = Arm {
-            unknowns,
-            target: &target,
-            reach,
-            labels,
-            deviation: S::from_f64(self.deviation),
-            pose_and_jacobian,
-        };
+        // Of a step that any value meets, this one will do.
+        self.search.accepted += 1;
+        let asked = Asked { target: &target, unknowns: self.unknowns, follow: self.follow, reach };
+        let deviation = S::from_f64(self.deviation);
+        let mut arm = Arm { asked, labels: &self.labels, deviation, pose_and_jacobian };
         let from = match arm.bring(q) {
             Some(found) => {
                 seek.add(found, self.search.windings);
                 let stiffness = arm.stiffness(found.q);
                 seek.crowded |= stiffness < S::from_f64(CROWDED);
-                if seek.was_at(&found.q, unknowns) || stiffness > S::from_f64(NEARLY_SINGULAR) {
+                if seek.was_at(&found.q) || stiffness > S::from_f64(NEARLY_SINGULAR) {
                     return;
                 }
                 found.q
@@ -182,7 +191,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         // Real solutions come and go in pairs, one on each side of a singularity.
         let minus = seek.found.iter().filter(|solution| solution.branch != Branch::PLUS).count();
         let pairs = minus > 0 && seek.found.len() == 2 * minus;
-        let all = seek.complete || (pairs && !seek.crowded);
+        let all = seek.complete || (pairs && !seek.crowded && self.asks_for_pose());
         all.then(|| Ok(seek.found.copied()))
     }
 
@@ -192,8 +201,6 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         Self: 'w,
     {
         let mut search = Search::about(self.search.reach, self.search.windings, wanted);
-        let given = (0..N).filter(|joint| !self.unknowns.contains(joint));
-        search.given = given.fold(0, |given, joint| given | 1 << joint);
         if let Some(seek) = &self.seek {
             search.solutions = seek.found.copied();
         }
@@ -212,9 +219,9 @@ impl<const N: usize, S: Float> Seek<N, S> {
     }
 
     /// Whether a curve was followed from a solution, or to it.
-    fn was_at(&self, q: &[S; N], unknowns: &[usize; UNKNOWNS]) -> bool {
+    fn was_at(&self, q: &[S; N]) -> bool {
         let mut walked = self.walked.iter().take(self.places);
-        walked.any(|place| apart(place, q, unknowns) <= S::from_f64(SAME))
+        walked.any(|place| apart(place, q) <= S::from_f64(SAME))
     }
 
     fn note(&mut self, q: [S; N]) {

@@ -3,6 +3,7 @@
 //! A step whose two roots have met, or that has none but may have one of the arm as it is, gives the root between; one whose
 //! coefficients vanish gives any. What follows from there is near the curve on which the solutions are ([`super::curve`]).
 
+use super::super::free::Free;
 use super::super::trigonometric::both;
 use super::{MARGIN, Near, UNSURE, above, row};
 use crate::{Float, Roots, Step};
@@ -93,7 +94,17 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
     #[cold]
     #[inline(never)]
     fn trig_of_neighbour(&mut self, step: Step, [a, b, c]: [S; 3]) -> Roots<S> {
+        let nothing = S::from_f64(MARGIN) * self.own(step);
+        if [a, b, c].iter().all(|x| !above(x.abs(), nothing)) {
+            return self.search.free(Free::every(step, self.search.accepted));
+        }
         self.search.trig(step, a, b, c)
+    }
+
+    /// What a step's equation may be off by as if all earlier unknowns were right, in its own dimension.
+    fn own(&self, step: Step) -> S {
+        let deviation = self.gains.get(row(usize::from(step.index))).copied().unwrap_or(f64::INFINITY);
+        S::from_f64(deviation) * step.measure.scale(self.search.reach)
     }
 
     /// Two roots that are about to meet, or have met.
@@ -193,6 +204,10 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
     #[cold]
     #[inline(never)]
     fn trig_pair_of_neighbour(&mut self, step: Step, first: [S; 3], second: [S; 3]) -> Roots<S> {
+        let nothing = S::from_f64(MARGIN) * self.own(step);
+        if first.iter().chain(&second).all(|x| !above(x.abs(), nothing)) {
+            return self.search.free(Free::every(step, self.search.accepted));
+        }
         self.search.trig_pair(step, first, second)
     }
 
