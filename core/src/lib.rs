@@ -61,7 +61,7 @@ pub use polish::{Polished, polish};
 pub use reachable::{ConstraintTerm, Reachable};
 pub use redundancy::{Arm, FreeValues, Redundancy, SWEEP_SAMPLES};
 pub use rules::{Axis, Bound, KeepOut, Rule, Rules, Side, SumLimit, Violation, Violations, Winding};
-pub use search::{Candidates, Condition, Exact, Forms, Near, Nearly, QuarticRoots, Roots, Search};
+pub use search::{Candidates, Condition, Exact, Form, Near, Nearly, QuarticRoots, Roots, Search};
 pub use seed::{Seed, Wanted};
 pub use solution_set::{SolutionSet, SolutionView};
 pub use solutions::{Solution, Solutions};

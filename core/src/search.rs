@@ -17,7 +17,7 @@ mod trigonometric;
 
 pub use conditions::Condition;
 pub use general::Candidates;
-pub use near::{Exact, Forms, Near, Nearly};
+pub use near::{Exact, Form, Near, Nearly};
 pub use quartic::QuarticRoots;
 pub use roots::Roots;
 

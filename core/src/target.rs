@@ -2,6 +2,8 @@
 
 mod missing;
 
+pub(crate) use missing::axes_across;
+
 use core::fmt;
 use core::ops::Deref;
 

@@ -60,11 +60,16 @@ fn given(robot: &Robot, function: &Function) -> String {
 /// By which method.
 fn way(function: &Function) -> &'static str {
     match function.steps.as_slice() {
-        [Step::Near { .. }] => return "as the arm that was meant, corrected",
-        [Step::Descents { .. }] => return "by a search from many places",
-        _ => {}
+        [Step::Near { .. }] => "as the arm that was meant, corrected",
+        steps => way_of(steps),
     }
-    match general(&function.steps) {
+}
+
+fn way_of(steps: &[Step]) -> &'static str {
+    if let [Step::Descents { .. }] = steps {
+        return "by a search from many places";
+    }
+    match general(steps) {
         Some(chain) if chain.charts.is_empty() => "by Newton's method from many places",
         Some(_) => "by a polynomial in one joint",
         None => "in closed form",
@@ -83,8 +88,15 @@ fn near(function: &Function) -> Option<&str> {
 fn why(robot: &Robot, function: &Function) -> String {
     let model = robot.model();
     if let Some(meant) = near(function) {
+        let then = match function.steps.as_slice() {
+            [Step::Near { nearly, otherwise, .. }] => match (way_of(otherwise), &nearly.joints) {
+                (way, Some(_)) => format!("then {way}, then from targets around"),
+                (way, None) => format!("then from targets around, then {way}"),
+            },
+            _ => String::new(),
+        };
         return format!(
-            "solved as {meant}; each solution is brought to the table as written by Newton's method; near singular poses along the curve of what is missing, then by a polynomial in one joint, then from poses around"
+            "solved as {meant}; each solution is brought to the table as written by Newton's method; near singular poses along the curve of what is missing, {then}"
         );
     }
     if let [Step::Descents { .. }] = function.steps.as_slice() {

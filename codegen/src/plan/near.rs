@@ -10,7 +10,7 @@ use crate::model::geometry::Nominal;
 use crate::model::{JointKind, Model, Problem, Target, product};
 use crate::symbolic::inverse_kinematics::{self, Begins, Derivation, Refusal, StageEquation};
 use crate::symbolic::redundancy;
-use dh_core::{BranchBit, Forms, Frame, rotation_error};
+use dh_core::{BranchBit, Form, Frame, rotation_error};
 use moves::Moves;
 
 /// At how many joint vectors the two arms are compared.
@@ -40,10 +40,6 @@ pub(super) fn problem(
     problem: &Problem,
     constants: &mut Constants,
 ) -> Option<Function> {
-    // Solutions are moved after the steps: conditions would have to be asked again.
-    if !problem.filters.is_empty() {
-        return None;
-    }
     let nominal = if problem.target.is_any_turn() {
         let nominal = model.nominal_to_tool_axis()?;
         descents::regular(&nominal.model, problem).ok()?;
@@ -77,9 +73,8 @@ fn function(
     moves.keep_constraints(&mut derivation.joints);
     let mut function = inverse::function(model, index, problem, &derivation, true, constants);
     let gains = gains::of(&nominal.model, &function, problem.target, &moves, &constants.values(), deviation)?;
-    let joints = (problem.target == Target::Pose).then(|| joints(model, problem)).flatten();
     let nearly = Box::new(Nearly {
-        joints: joints.filter(|_| moves.follow.is_empty()),
+        joints: if is_chain(&otherwise) { joints(model, problem) } else { None },
         mirrored: moves.mirrored != is_mirrored(problem.target, &otherwise),
         unknowns: moves.unknowns,
         follow: moves.follow,
@@ -126,7 +121,11 @@ fn otherwise(model: &Model, index: Option<usize>, problem: &Problem) -> Result<F
 /// Whether determinants of a chain of six joints have the other sign than those of what the target prescribes by the unknowns
 /// alone: the joints behind the tool are last, and of a ray the turn comes before the slide.
 fn is_mirrored(target: Target, otherwise: &Function) -> bool {
-    target == Target::Ray && otherwise.steps.iter().any(|step| matches!(step, Step::General { .. }))
+    target == Target::Ray && is_chain(otherwise)
+}
+
+fn is_chain(function: &Function) -> bool {
+    matches!(function.steps[..], [Step::General { .. }])
 }
 
 /// What a nearly special arm is to the one that was meant, as [`dh_core::Nearly`].
@@ -142,14 +141,14 @@ pub struct Nearly {
     pub deviation: f64,
     /// See [`dh_core::Nearly::mirrored`].
     pub mirrored: bool,
-    /// See [`dh_core::Exact::joints`]; `None` where joints are given, or anything but a pose.
-    pub joints: Option<Forms>,
+    /// See [`dh_core::Exact::joints`].
+    pub joints: Option<Vec<Form>>,
 }
 
 impl Nearly {
     /// As the numeric kernel takes it, with the arm as it is.
     pub fn of<'a>(&'a self, chain: Option<&'a GeneralChain>) -> dh_core::Nearly<'a> {
-        let exact = self.joints.zip(chain);
+        let exact = self.joints.as_deref().zip(chain);
         dh_core::Nearly {
             unknowns: &self.unknowns,
             follow: &self.follow,
@@ -161,8 +160,12 @@ impl Nearly {
     }
 }
 
-/// The joints of an arm of six as forms in those of the chain: a factor each and a constant.
-fn joints(model: &Model, problem: &Problem) -> Option<Forms> {
+/// All joints as forms in those of a chain of six. `None` where joints are given, and where the chain's tip meets targets that
+/// the tool doesn't: it may have the yaw, and the tool the other way round.
+fn joints(model: &Model, problem: &Problem) -> Option<Vec<Form>> {
+    if !problem.free.is_empty() || problem.target == Target::PositionYaw {
+        return None;
+    }
     let chain = inverse_kinematics::general::chain(model, problem).ok()?;
     let forms = chain.q.iter().map(|q| {
         let mut form = [0.0; 7];
@@ -172,7 +175,7 @@ fn joints(model: &Model, problem: &Problem) -> Option<Forms> {
         form[6] = q.constant;
         Some(form)
     });
-    forms.collect::<Option<Vec<_>>>()?.try_into().ok()
+    forms.collect()
 }
 
 /// How far apart the tool frames of two arms are at the same joint values (reaches, rad), at most.

@@ -1,7 +1,7 @@
 //! The conditions that a table's inverse problem puts on its solutions (`where`).
 
 use super::{Movable, Search};
-use crate::{Float, Rule, residual_tolerance};
+use crate::{Float, IkError, Rule, Solutions, residual_tolerance};
 
 /// How far (rad or m) a condition that includes its bound may be passed: roots at the bound are rounded to either side.
 const AT_THE_BOUND: f64 = 1e-9;
@@ -55,6 +55,38 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             _ => self.accept(q, position_error, rotation_error),
         }
     }
+
+    /// [`Search::finish`], for solutions that were found without regard to conditions.
+    ///
+    /// # Errors
+    /// As there; [`IkError::Forbidden`] where conditions refuse all of them, by the least.
+    pub fn finish_where(
+        &mut self,
+        broken: impl Fn(&[S; N]) -> Option<Rule<S>>,
+    ) -> Result<Solutions<N, S>, IkError<S>> {
+        held(&self.finish()?, broken)
+    }
+}
+
+/// The solutions of which a problem's conditions hold.
+pub(super) fn held<const N: usize, S: Float>(
+    solutions: &Solutions<N, S>,
+    broken: impl Fn(&[S; N]) -> Option<Rule<S>>,
+) -> Result<Solutions<N, S>, IkError<S>> {
+    let mut held = Solutions::EMPTY;
+    let mut refused: Option<Rule<S>> = None;
+    for solution in solutions {
+        let excess = |rule: &Rule<S>| if let Rule::Where { excess, .. } = rule { *excess } else { S::ZERO };
+        match broken(&solution.q) {
+            None => held.append(*solution),
+            Some(rule) if refused.is_none_or(|old| excess(&rule) < excess(&old)) => refused = Some(rule),
+            Some(_) => {}
+        }
+    }
+    match refused {
+        Some(rule) if held.is_empty() => Err(IkError::Forbidden { rule }),
+        _ => Ok(held),
+    }
 }
 
 #[cfg(test)]
@@ -71,6 +103,19 @@ mod tests {
         assert_eq!(search.clone().finish().err(), Some(IkError::Forbidden { rule }));
         search.accept_where([0.5], 0.0, 0.0, &conditions[..1]);
         assert_eq!(search.finish().map(|solutions| solutions.len()), Ok(1));
+    }
+
+    #[test]
+    fn solutions_that_were_found_before_are_refused_too() {
+        let mut search = Search::<1>::new(1.0, &[]);
+        search.accept([0.5], 0.0, 0.0);
+        search.accept([-0.25], 0.0, 0.0);
+        let broken =
+            |bound: f64| move |q: &[f64; 1]| Condition::broken(&[Condition::at_most_zero(q[0] - bound)]);
+        let found = search.finish_where(broken(0.0)).unwrap();
+        assert!(found.len() == 1 && found[0].q == [-0.25]);
+        let rule = Rule::Where { index: 0, excess: 0.75 };
+        assert_eq!(search.finish_where(broken(-1.0)).err(), Some(IkError::Forbidden { rule }));
     }
 
     #[test]

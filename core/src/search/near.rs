@@ -16,11 +16,12 @@ mod reduced;
 mod seek;
 mod steps;
 
+use super::conditions::held;
 use super::{Roots, Search};
 use crate::branch::bit_of;
 use crate::frame::{dot, sub};
 use crate::{
-    Branch, Float, Frame, GeneralArm, IkError, Polished, Solution, Solutions, Target, Winding,
+    Branch, Float, Frame, GeneralArm, IkError, Polished, Rule, Solution, Solutions, Target, Winding,
     residual_tolerance,
 };
 use asked::Asked;
@@ -44,7 +45,7 @@ pub struct Nearly<'a> {
     pub deviation: f64,
     /// Whether the determinants of the Jacobians by these joints and by those of the arm's chain differ in sign.
     pub mirrored: bool,
-    /// The arm as it is, where a pose is asked for and all its joints are found.
+    /// The arm as it is as a chain of six joints, where that has each solution once and no joint is given.
     pub chain: Option<Exact<'a>>,
 }
 
@@ -53,12 +54,12 @@ pub struct Nearly<'a> {
 pub struct Exact<'a> {
     /// Its chain.
     pub arm: GeneralArm<'a>,
-    /// The joints that are found, each as a form in those of the chain (rad, m): six factors and a constant.
-    pub joints: Forms,
+    /// Every joint of the arm as a form in those of the chain (rad, m).
+    pub joints: &'a [Form],
 }
 
-/// Forms in six numbers: a factor each and a constant.
-pub type Forms = [[f64; UNKNOWNS + 1]; UNKNOWNS];
+/// A form in the joints of a chain: a factor each and a constant.
+pub type Form = [f64; UNKNOWNS + 1];
 
 /// A search of the arm that a nearly special one was meant to be.
 ///
@@ -76,6 +77,8 @@ pub struct Near<'a, const N: usize, S = f64> {
     /// What is singular among the steps that were solved last.
     singular: Singular,
     target: Target<S>,
+    /// See [`asked::across`].
+    across: [[S; 3]; 2],
     begun: bool,
     seek: Option<Seek<N, S>>,
     deviation: f64,
@@ -141,9 +144,6 @@ const MARGIN: f64 = 2.0;
 /// What an unknown may be off by (rad, reaches) where its step is well-conditioned.
 const UNSURE: f64 = 0.5;
 
-/// Determinants (reaches, rad) of so many times what the arm is off by may belong to several solutions near to each other.
-const SINGULAR: f64 = 0.25;
-
 /// From a solution of which the determinant is smaller, others that belong to no root of their own are no farther along its curve
 /// than this (rad, reaches).
 const NEIGHBOURS: f64 = 1.0;
@@ -171,6 +171,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             doubtful: false,
             singular: Singular::default(),
             target: *target,
+            across: asked::across(target),
             begun: false,
             seek: None,
             deviation: nearly.deviation,
@@ -256,7 +257,13 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     where
         'a: 't,
     {
-        Asked { target, unknowns: self.unknowns, follow: self.follow, reach: self.search.reach }
+        Asked {
+            target,
+            unknowns: self.unknowns,
+            follow: self.follow,
+            across: self.across,
+            reach: self.search.reach,
+        }
     }
 
     /// Adds the solution of the arm as it is that is next to a root, and says how far from there (rad, reaches) others may be
@@ -275,7 +282,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
         if !new || found.turned || found.first > S::from_f64(SHORT) {
             return S::INFINITY;
         }
-        let simple = found.determinant.abs() > S::from_f64(SINGULAR * self.deviation);
+        let simple = found.is_clear_of(S::from_f64(self.deviation));
         if simple { S::ZERO } else { S::from_f64(NEIGHBOURS) }
     }
 
@@ -328,6 +335,14 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     #[inline]
     pub fn finish(&mut self) -> Option<Result<Solutions<N, S>, IkError<S>>> {
         if self.doubtful { self.sought() } else { Some(self.search.finish()) }
+    }
+
+    /// The same with the conditions of a problem: which of them joint values break.
+    pub fn finish_where(
+        &mut self,
+        broken: impl Fn(&[S; N]) -> Option<Rule<S>>,
+    ) -> Option<Result<Solutions<N, S>, IkError<S>>> {
+        Some(self.finish()?.and_then(|found| held(&found, broken)))
     }
 }
 

@@ -76,8 +76,8 @@ impl<S: Float> Target<S> {
     pub(crate) fn coordinates(&self, tool: &Frame<S>, [px, py, pz, ax, ay, az]: &[S; 6]) -> [S; 6] {
         let (linear, angular) = ([*px, *py, *pz], [*ax, *ay, *az]);
         let flat = |direction: [S; 3], vector: [S; 3]| {
-            let first = perpendicular(direction);
-            [dot(first, vector), dot(cross(direction, first), vector)]
+            let [first, second] = axes_across(direction);
+            [dot(first, vector), dot(second, vector)]
         };
         let none = S::ZERO;
         match self {
@@ -117,6 +117,12 @@ fn between<S: Float>(from: [S; 3], to: [S; 3]) -> [S; 3] {
     }
     let angle = sine.atan2(dot(from, to));
     across.map(|x| x / sine * angle)
+}
+
+/// Two axes that are right-handed with a direction.
+pub(crate) fn axes_across<S: Float>(direction: [S; 3]) -> [[S; 3]; 2] {
+    let first = perpendicular(direction);
+    [first, cross(direction, first)]
 }
 
 /// A direction across another.

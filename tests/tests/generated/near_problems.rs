@@ -8,7 +8,9 @@ use dh_codegen::plan::eval::Program;
 use dh_codegen::plan::{self, Function, FunctionKind, Plan, Step};
 use dh_codegen::verify::Level;
 use dh_codegen::{Output, compile};
-use dh_core::{Branch, BranchBit, Frame, Kinematics, ProblemInfo, SolutionSet, Target};
+use dh_core::{
+    Branch, BranchBit, Frame, IkError, Kinematics, ProblemInfo, Rule, SolutionSet, Target, TargetKind,
+};
 use dh_runtime::dh_robot;
 use dh_tests::engine;
 use dh_tests::engine::everything::computed;
@@ -136,25 +138,25 @@ const CASES: [Case; 6] = [
 
 impl Case {
     fn table(&self, off: f64) -> String {
-        let mut text = format!("[robot]\nname = \"{}\"\nconvention = \"standard\"\n", self.name);
-        for ((slides, d, a, quarters, turned), tilt) in self.rows.iter().zip(self.tilts) {
-            text += "\n[[joint]]\n";
-            if *slides {
-                text += "type = \"prismatic\"\n";
-            }
+        let rows = self.rows.iter().zip(self.tilts).map(|((slides, d, a, quarters, turned), tilt)| {
             let [alpha, theta] = [quarters * FRAC_PI_2 + tilt * off, turned * FRAC_PI_2];
-            text += &format!("a = {a:?}\nalpha = {alpha:?}\n");
-            text += &(if *slides {
-                "limits = [0, 0.4]\n".to_owned()
+            let own = if *slides {
+                "type = \"prismatic\"\nlimits = [0, 0.4]".to_owned()
             } else {
-                format!("d = {d:?}\noffset = {theta:?}\n")
-            });
-        }
-        if let Some((xyz, turn)) = self.tool {
-            text += &format!("\n[tool]\nxyz = {xyz:?}\nrpy = [{:?}, 0, 0]\n", turn * off);
-        }
-        text += &format!("\n[[ik]]\nname = \"problem\"\ntarget = \"{}\"\n", self.target);
-        text + &format!("constraints = {:?}\n", self.constraints)
+                format!("d = {d:?}\noffset = {theta:?}")
+            };
+            format!("\n[[joint]]\na = {a:?}\nalpha = {alpha:?}\n{own}\n")
+        });
+        let tool =
+            self.tool.map(|(xyz, turn)| format!("\n[tool]\nxyz = {xyz:?}\nrpy = [{:?}, 0, 0]\n", turn * off));
+        format!(
+            "[robot]\nname = \"{}\"\nconvention = \"standard\"\n{}{}\n[[ik]]\nname = \"problem\"\ntarget = \"{}\"\nconstraints = {:?}\n",
+            self.name,
+            rows.collect::<String>(),
+            tool.unwrap_or_default(),
+            self.target,
+            self.constraints
+        )
     }
 
     /// Joint values that keep the constraints.
@@ -178,8 +180,8 @@ impl Case {
     fn solutions(&self, arm: &dyn Kinematics, oracle: &Oracle, q: &[f64], tolerance: f64) -> SolutionSet {
         let target = Target::of_frame(problem_of(arm).target, &frame_of(&oracle.fk(q)));
         let mut set = SolutionSet::new();
-        arm.ik_into("problem", &target, &mut set)
-            .unwrap_or_else(|error| panic!("{} at {q:?}: {error}", self.name));
+        let answer = arm.ik_into("problem", &target, &mut set);
+        assert_eq!(answer, Ok(()), "{} at {q:?}", self.name);
         for solution in set.iter() {
             let (position, rotation) = target.errors(&frame_of(&oracle.fk(solution.q)));
             assert!(position.max(rotation) < tolerance, "{}: {:?} misses", self.name, solution.q);
@@ -313,9 +315,34 @@ fn generated_code_has_the_bits_of_the_interpreter() {
     for number in 0..60 {
         let mut q: Vec<f64> = (0..5).map(|_| PI * random.next()).collect();
         if number % 3 == 0 {
-            q.iter_mut().for_each(|x| *x = FRAC_PI_2 * (*x / FRAC_PI_2).round());
+            q = q.iter().map(|x| FRAC_PI_2 * (x / FRAC_PI_2).round()).collect();
         }
         let tool = Frame::from(Five.fk(&q.clone().try_into().unwrap()));
         assert_eq!(computed(&Five, &q, tool), computed(&*interpreter, &q, tool), "{q:?}");
     }
+}
+
+/// Conditions are asked of the solutions, not of those of the arm that was meant.
+#[test]
+fn conditions_keep_those_solutions_of_which_they_hold() {
+    let mut random = Random(24);
+    let mut refused = 0;
+    for _ in 0..200 {
+        let q: [f64; 5] = std::array::from_fn(|_| PI * random.next());
+        let target = Target::of_frame(TargetKind::PositionDirection, &Frame::from(Five.fk(&q)));
+        let mut all = SolutionSet::new();
+        Five.ik_into("pointing", &target, &mut all).unwrap();
+        let holds = |q: &[f64]| q[2] <= 1e-9 && q[0] > -FRAC_PI_2 && q[0] < PI / 4.0;
+        let wanted: Vec<&[f64]> = all.iter().map(|found| found.q).filter(|q| holds(q)).collect();
+        let mut set = SolutionSet::new();
+        match Five.ik_into("elbow_up", &target, &mut set) {
+            Ok(()) => assert_eq!(set.iter().map(|found| found.q).collect::<Vec<_>>(), wanted, "{q:?}"),
+            Err(IkError::Forbidden { rule: Rule::Where { .. } }) => {
+                assert!(wanted.is_empty(), "{q:?}");
+                refused += 1;
+            }
+            Err(error) => panic!("{q:?}: {error}"),
+        }
+    }
+    assert!((1..100).contains(&refused), "{refused}");
 }

@@ -23,6 +23,8 @@ pub(super) struct Body<'a> {
     pub(super) nearly: &'a str,
     /// Names of the constants that every search needs.
     pub(super) search: [&'a str; 2],
+    /// What a nearly special arm's search ends with: its conditions are asked when all is found.
+    pub(super) finish: &'static str,
 }
 
 /// What an inverse function comes to.
@@ -143,7 +145,7 @@ impl Body<'_> {
                     self.steps(&mut nested, body, accept);
                     text.append(&nested.into_string());
                     text.line("}");
-                    text.line(format!("if let {some}(answer) = search.finish() {{"));
+                    text.line(format!("if let {some}(answer) = {} {{", self.finish));
                     text.line("    return answer;");
                     text.line("}");
                     text.gap();

@@ -55,7 +55,7 @@ impl Printer<'_> {
             text.line(format!("    chain: {some}({} {{", self.paths.runtime("Exact")));
             text.line(format!("        arm: {chain},"));
             text.line("        // Each joint as a form in those of the chain: six factors and a constant.");
-            text.line("        joints: [");
+            text.line("        joints: &[");
             for form in joints {
                 text.line(format!("            {},", self.exact_list(form)));
             }

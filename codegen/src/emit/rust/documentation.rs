@@ -76,7 +76,7 @@ pub(super) fn stages(function: &Function) -> Option<String> {
 pub(super) fn meant(function: &Function) -> Option<String> {
     let [Step::Near { meant, .. }] = function.steps.as_slice() else { return None };
     Some(format!(
-        "Solved as the arm that was meant ({}); each solution is brought to the pose by Newton's method on the table as \
+        "Solved as the arm that was meant ({}); each solution is brought to the target by Newton's method on the table as \
          written. Near singular poses also along the curve of what is missing, or the last step below solves the table as \
          it is.",
         clean(meant)

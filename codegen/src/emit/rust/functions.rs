@@ -127,6 +127,11 @@ impl<'a> Printer<'a> {
             chain: &locals.chain,
             nearly: &locals.nearly,
             search: [self.private("REACH"), self.private("WINDINGS")],
+            finish: if self.asks_at_the_end(function) {
+                "search.finish_where(broken)"
+            } else {
+                "search.finish()"
+            },
         }
     }
 

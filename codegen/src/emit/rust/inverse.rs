@@ -59,6 +59,9 @@ impl<'a> Printer<'a> {
             lines.line(format!("let {free} = *free;"));
         }
         self.wanted(&mut lines, function);
+        if self.asks_at_the_end(function) {
+            self.broken(&mut lines, problem);
+        }
         if !near {
             lines.line(body.search(["Search", "about"], "wanted", &function.free));
         }
@@ -66,7 +69,7 @@ impl<'a> Printer<'a> {
             self.accept(text, candidate, problem, &body);
         });
         lines.line(if function.motions.is_empty() {
-            "search.finish()".to_owned()
+            body.finish.to_owned()
         } else {
             let target = if polishes(&function.steps) {
                 format!("&{}::Pose(pose)", self.paths.runtime("Target"))
@@ -182,6 +185,25 @@ impl<'a> Printer<'a> {
         }
         self.conditions(text, filters);
         text.line("search.accept_where(q, position_error, rotation_error, &conditions);");
+    }
+
+    /// Whether a function asks the conditions of its problem when all solutions are found: those of a nearly special arm are
+    /// moved before they are any.
+    pub(super) fn asks_at_the_end(&self, function: &Function) -> bool {
+        let problem = match function.kind {
+            FunctionKind::Inverse(Some(index)) => self.model.problems.get(index),
+            _ => None,
+        };
+        let near = matches!(function.steps[..], [Step::Near { .. }]);
+        near && problem.is_some_and(|problem| !problem.filters.is_empty())
+    }
+
+    /// `let broken = ...`: which condition joint values break.
+    fn broken(&self, text: &mut Text, problem: Option<&Problem>) {
+        text.open(format!("let broken = |q: &{}| {{", self.joints_type()));
+        self.conditions(text, problem.map_or(&[][..], |problem| &problem.filters));
+        text.line(format!("{}::broken(&conditions)", self.paths.runtime("Condition")));
+        text.close("};");
     }
 
     /// `let conditions = ...`, of joint values `q`.

@@ -152,7 +152,7 @@ impl Derivation<'_, '_, '_> {
                     self.text.gap();
                     self.text.line(
                         1,
-                        "Each solution is brought to the pose by Newton's method on the table as written.",
+                        "Each solution is brought to the target by Newton's method on the table as written.",
                     );
                     self.text.line(
                         1,

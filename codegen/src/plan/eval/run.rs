@@ -5,8 +5,8 @@ use super::routine::{self, AtOnce, Chain, Instruction, Kernel, Register, Routine
 use super::trace::Event;
 use crate::plan::Function;
 use dh_core::{
-    Candidates, Condition, Float, Frame, IkError, MAX_JOINTS, Near, QuarticRoots, Roots, Search, Solutions,
-    Target, Wanted, Winding, residual_tolerance,
+    Candidates, Condition, Float, Frame, IkError, MAX_JOINTS, Near, QuarticRoots, Roots, Rule, Search,
+    Solutions, Target, Wanted, Winding, residual_tolerance,
 };
 
 /// The registers of one run. Register numbers were checked when the function was lowered.
@@ -304,11 +304,16 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
             self.block(&near.body, registers);
         }
         let Searching::Near(search) = &mut self.search else { return };
-        if let Some(answer) = search.finish() {
+        let (filters, dof) = (self.filters, self.dof);
+        let broken = |q: &[S; MAX_JOINTS]| broken(filters, q.get(..dof).unwrap_or_default());
+        if let Some(answer) = search.finish_where(broken) {
             self.search = Searching::Done(answer);
         } else {
             self.search = Searching::Exact(search.otherwise(self.wanted).with_given(&self.names.free));
             self.block(&near.otherwise, registers);
+            if let Searching::Exact(search) = &mut self.search {
+                self.search = Searching::Done(search.finish_where(broken));
+            }
         }
     }
 
@@ -365,6 +370,12 @@ enum Found<S> {
     Two(Roots<S>),
     /// Up to four.
     Four(QuarticRoots<S>),
+}
+
+/// Which of a problem's conditions joint values break.
+fn broken<S: Float>(filters: &[Filter<S>], joints: &[S]) -> Option<Rule<S>> {
+    let conditions: Vec<_> = filters.iter().map(|filter| filter.at(joints)).collect();
+    Condition::broken(&conditions)
 }
 
 /// The tool frame by a forward function.

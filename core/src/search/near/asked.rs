@@ -1,8 +1,9 @@
 //! What is asked of the tool, and what may move to meet it.
 
 use super::UNKNOWNS;
-use crate::frame::sub;
+use crate::frame::{cross, dot, norm, sub};
 use crate::polish::turn;
+use crate::target::axes_across;
 use crate::{Float, Frame, Target};
 
 /// A target, and the unknowns that are to meet it: as many as it has rows.
@@ -16,8 +17,18 @@ pub(super) struct Asked<'a, S> {
     pub(super) unknowns: &'a [usize],
     /// See [`super::Nearly::follow`].
     pub(super) follow: &'a [(usize, usize, f64)],
+    /// See [`across`].
+    pub(super) across: [[S; 3]; 2],
     /// m
     pub(super) reach: S,
+}
+
+/// Two axes across the direction of a target that prescribes a position and one.
+pub(super) fn across<S: Float>(target: &Target<S>) -> [[S; 3]; 2] {
+    match target {
+        Target::PositionDirection { direction, .. } => axes_across(*direction),
+        _ => [[S::ZERO; 3]; 2],
+    }
 }
 
 impl<'a, S: Float> Asked<'a, S> {
@@ -39,12 +50,38 @@ impl<'a, S: Float> Asked<'a, S> {
     #[inline]
     pub(super) fn missing(&self, tool: &Frame<S>) -> [S; UNKNOWNS] {
         let per_reach = S::ONE / self.reach;
-        if let Target::Pose(pose) = self.target {
-            let [px, py, pz] = sub(pose.translation, tool.translation).map(|x| x * per_reach);
-            let [wx, wy, wz] = turn(tool, pose);
-            return [px, py, pz, wx, wy, wz];
+        let away = |to: [S; 3]| sub(to, tool.translation).map(|x| x * per_reach);
+        match self.target {
+            Target::Pose(pose) => {
+                let ([px, py, pz], [wx, wy, wz]) = (away(pose.translation), turn(tool, pose));
+                [px, py, pz, wx, wy, wz]
+            }
+            Target::Position(position) => {
+                let [px, py, pz] = away(*position);
+                [px, py, pz, S::ZERO, S::ZERO, S::ZERO]
+            }
+            Target::PositionDirection { position, direction } => {
+                let ([px, py, pz], axis) = (away(*position), tool.z_axis());
+                let mut turn = cross(axis, *direction);
+                if dot(axis, *direction) < S::ZERO {
+                    // Longer than a quarter turn's, so that half a turn does not look like none.
+                    let sine = norm(turn);
+                    turn = turn.map(|x| x * (S::TWO - sine) / sine);
+                }
+                let [a, b] = self.across.map(|axis| dot(axis, turn));
+                [px, py, pz, a, b, S::ZERO]
+            }
+            target => target.coordinates(tool, &target.missing(tool, per_reach)),
         }
-        self.target.coordinates(tool, &self.target.missing(tool, per_reach))
+    }
+
+    /// Whether what is missing has no greater second derivatives than a pose has.
+    pub(super) fn is_smooth(&self) -> bool {
+        let smooth = matches!(
+            self.target,
+            Target::Pose(_) | Target::Position(_) | Target::PositionDirection { .. } | Target::Xy(_)
+        );
+        smooth && self.follow.is_empty()
     }
 
     /// How much less of that is missing with each unknown.
@@ -58,11 +95,16 @@ impl<'a, S: Float> Asked<'a, S> {
                 }
                 continue;
             };
-            *column = if let Target::Pose(_) = self.target {
-                let [vx, vy, vz, wx, wy, wz] = twist;
-                [vx * per_reach, vy * per_reach, vz * per_reach, wx, wy, wz]
-            } else {
-                self.target.coordinates(tool, &self.target.gained(tool, &twist, per_reach))
+            let [vx, vy, vz, wx, wy, wz] = twist;
+            let [px, py, pz] = [vx, vy, vz].map(|x| x * per_reach);
+            *column = match self.target {
+                Target::Pose(_) => [px, py, pz, wx, wy, wz],
+                Target::Position(_) => [px, py, pz, S::ZERO, S::ZERO, S::ZERO],
+                Target::PositionDirection { .. } => {
+                    let [a, b] = self.across.map(|axis| dot(axis, [wx, wy, wz]));
+                    [px, py, pz, a, b, S::ZERO]
+                }
+                target => target.coordinates(tool, &target.gained(tool, &twist, per_reach)),
             };
         }
         columns
@@ -97,7 +139,7 @@ impl<'a, S: Float> Asked<'a, S> {
 
 #[cfg(test)]
 mod tests {
-    use super::Asked;
+    use super::{Asked, across};
     use crate::{Frame, Target, TargetKind};
 
     /// Joints about z at the origin, about y a metre along x, and about x at the tip, two metres along x.
@@ -143,7 +185,8 @@ mod tests {
         for kind in kinds {
             let target = Target::of_frame(kind, &tool);
             let follow = [(0, 3, -2.0)];
-            let asked = Asked { target: &target, unknowns: &[0, 2], follow: &follow, reach: 2.0 };
+            let across = across(&target);
+            let asked = Asked { target: &target, unknowns: &[0, 2], follow: &follow, across, reach: 2.0 };
             let columns = asked.columns(&tool, &jacobian);
             for place in 0..2 {
                 let step = 1e-6;

@@ -22,16 +22,34 @@ const LEFT: f64 = 512.0;
 /// A step that leaves more of the error than this is one of a method that isn't near a solution.
 const CONVERGES: f64 = 0.25;
 
-/// Joint values brought to a pose.
+/// Determinants (reaches, rad) of so many times what the arm is off by may belong to several solutions near to each other.
+const SINGULAR: f64 = 0.25;
+
+/// The same of the least pivot, of targets of fewer rows than a pose: their determinants have fewer factors.
+const SMALL_PIVOT: f64 = 8.0;
+
+/// Joint values brought to a target.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found<const N: usize, S> {
     pub(super) at: Polished<N, S>,
     /// The determinant of the Jacobian there (reaches, rad).
     pub(super) determinant: S,
+    /// The least pivot, where it isn't that of a pose.
+    pivot: Option<S>,
     /// Whether it had the other sign at the start.
     pub(super) turned: bool,
     /// The first step (rad, reaches), of the joint that went farthest.
     pub(super) first: S,
+}
+
+impl<const N: usize, S: Float> Found<N, S> {
+    /// Whether no other solution is near because the arm is off by so much (reaches, rad).
+    pub(super) fn is_clear_of(&self, deviation: S) -> bool {
+        match self.pivot {
+            Some(pivot) => pivot > S::from_f64(SMALL_PIVOT) * deviation,
+            None => self.determinant.abs() > S::from_f64(SINGULAR) * deviation,
+        }
+    }
 }
 
 /// Joint values brought to a target; `None` where that is not a matter of a few steps.
@@ -45,12 +63,13 @@ pub(super) fn solve<const N: usize, S: Float>(
     mut pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
 ) -> Option<Found<N, S>> {
     let (mut q, mut last) = (start, S::INFINITY);
-    let (mut began, mut last_determinant) = (None, None);
+    let (mut began, mut last_determinant, mut pivot) = (None, None, None);
     let mut first = S::ZERO;
     let pose = asked.pose();
     // Of a pose, lengths are metres until they are compared.
     let per_reach = if pose.is_some() { S::ONE / asked.reach } else { S::ONE };
-    let long = S::ONE.max(per_reach);
+    let long = S::ONE.max(S::ONE / asked.reach);
+    let smooth = asked.is_smooth();
     let rounding = S::from_f64(ROUNDING) * S::EPSILON;
     let small = S::from_f64(SMALL) * S::EPSILON;
     for _ in 0..STEPS {
@@ -71,12 +90,15 @@ pub(super) fn solve<const N: usize, S: Float>(
             return None;
         }
         last = error;
-        let (step, determinant) = match (met, last_determinant) {
-            (true, Some(determinant)) => ([S::ZERO; UNKNOWNS], determinant),
-            _ => match pose {
-                Some((_, joints)) => step(joints, jacobian, missing, per_reach)?,
-                None => Equations::new(asked, tool, jacobian).pivoted(),
-            },
+        let (step, determinant) = match (met, last_determinant, pose) {
+            (true, Some(determinant), _) => ([S::ZERO; UNKNOWNS], determinant),
+            (.., Some((_, joints))) => step(joints, jacobian, missing, per_reach)?,
+            (.., None) => {
+                let mut equations = Equations::new(asked, tool, jacobian);
+                let solved = equations.pivoted();
+                pivot = Some(equations.least_pivot());
+                solved
+            }
         };
         last_determinant = Some(determinant);
         let negative = determinant < S::ZERO;
@@ -85,7 +107,7 @@ pub(super) fn solve<const N: usize, S: Float>(
             let (position_error, rotation_error) =
                 if pose.is_some() { (norm(missing.0), norm(missing.1)) } else { asked.target.errors(tool) };
             let at = Polished { q, position_error, rotation_error };
-            return Some(Found { at, determinant, turned, first });
+            return Some(Found { at, determinant, pivot, turned, first });
         }
         let (mut length, mut most) = (S::ZERO, S::ZERO);
         for change in step {
@@ -100,10 +122,10 @@ pub(super) fn solve<const N: usize, S: Float>(
         // No second derivative of a pose by joint values is more than a reach (by a slide and a turn, 1).
         let length = length * long;
         let left = length * length;
-        if pose.is_some() && left <= S::from_f64(LEFT) * S::EPSILON {
+        if smooth && left <= S::from_f64(LEFT) * S::EPSILON {
             let bound = if left > rounding { left } else { rounding };
             let at = Polished { q, position_error: bound * asked.reach, rotation_error: bound };
-            return Some(Found { at, determinant, turned, first });
+            return Some(Found { at, determinant, pivot, turned, first });
         }
     }
     None
@@ -145,21 +167,23 @@ pub(super) fn is_negative<S: Float>(asked: &Asked<'_, S>, tool: &Frame<S>, jacob
 
 /// What is missing of a target, and the change of the unknowns that makes up for it.
 struct Equations<S> {
-    /// Columns of the Jacobian, and what is missing (reaches, rad).
+    /// Columns of the Jacobian, as many as there are unknowns, and what is missing (reaches, rad).
     rows: [[S; UNKNOWNS + 1]; UNKNOWNS],
+    count: usize,
 }
 
 impl<S: Float> Equations<S> {
     /// At a tool frame with its Jacobian.
     fn new(asked: &Asked<'_, S>, tool: &Frame<S>, jacobian: &[[S; 6]]) -> Self {
         let mut rows = [[S::ZERO; UNKNOWNS + 1]; UNKNOWNS];
+        let count = asked.unknowns.len().min(UNKNOWNS);
         let (columns, missing) = (asked.columns(tool, jacobian), asked.missing(tool));
-        for (place, column) in columns.iter().chain([&missing]).enumerate() {
+        for (place, column) in columns.iter().take(count).chain([&missing]).enumerate() {
             for (row, entry) in rows.iter_mut().zip(column) {
                 row[place] = *entry;
             }
         }
-        Self { rows }
+        Self { rows, count }
     }
 
     /// Of columns and what is missing (m, rad) of a pose.
@@ -174,7 +198,7 @@ impl<S: Float> Equations<S> {
                 row[place] = *entry * scale;
             }
         }
-        Self { rows }
+        Self { rows, count: UNKNOWNS }
     }
 
     /// By Gaussian elimination with partial pivoting, and the determinant; not finite where the equations are singular.
@@ -182,18 +206,29 @@ impl<S: Float> Equations<S> {
     #[inline(never)]
     fn pivoted(&mut self) -> ([S; UNKNOWNS], S) {
         let exchanged = self.triangular();
-        let pivots = self.rows.iter().enumerate().map(|(k, row)| row[k]);
-        let determinant =
-            pivots.fold(if exchanged { -S::ONE } else { S::ONE }, |product, pivot| product * pivot);
-        (substitute(&self.rows), determinant)
+        let start = if exchanged { -S::ONE } else { S::ONE };
+        let determinant = self.pivots().fold(start, |product, pivot| product * pivot);
+        (self.substituted(), determinant)
+    }
+
+    /// Of equations that were brought to triangular form.
+    fn pivots(&self) -> impl Iterator<Item = S> {
+        self.rows.iter().take(self.count).enumerate().map(|(k, row)| row[k])
+    }
+
+    /// The same: the least of them.
+    fn least_pivot(&self) -> S {
+        self.pivots()
+            .map(Float::abs)
+            .fold(S::INFINITY, |least, pivot| if pivot < least { pivot } else { least })
     }
 
     /// Says whether rows were exchanged an odd number of times.
     fn triangular(&mut self) -> bool {
-        let a = &mut self.rows;
+        let (a, count) = (&mut self.rows, self.count);
         let mut odd = false;
-        for k in 0..UNKNOWNS {
-            for r in k + 1..UNKNOWNS {
+        for k in 0..count {
+            for r in k + 1..count {
                 if a[r][k].abs() > a[k][k].abs() {
                     let (upper, lower) = (a[k], a[r]);
                     a[k] = lower;
@@ -201,36 +236,32 @@ impl<S: Float> Equations<S> {
                     odd = !odd;
                 }
             }
-            eliminate(a, k);
+            // Takes the unknown of this column out of the rows below.
+            let top = a[k];
+            let inverse = S::ONE / top[k];
+            for row in a.iter_mut().take(count).skip(k + 1) {
+                let factor = row[k] * inverse;
+                for (value, from) in row.iter_mut().zip(top).take(count + 1).skip(k + 1) {
+                    *value -= factor * from;
+                }
+            }
         }
         odd
     }
-}
 
-/// Takes the unknown of column `k` out of the rows below row `k`.
-#[inline]
-fn eliminate<S: Float>(a: &mut [[S; UNKNOWNS + 1]; UNKNOWNS], k: usize) {
-    let top = a[k];
-    let inverse = S::ONE / top[k];
-    for row in a.iter_mut().skip(k + 1) {
-        let factor = row[k] * inverse;
-        for (value, from) in row.iter_mut().zip(top).skip(k + 1) {
-            *value -= factor * from;
+    /// The unknowns of equations that were brought to triangular form.
+    fn substituted(&self) -> [S; UNKNOWNS] {
+        let (a, count) = (&self.rows, self.count);
+        let mut x = [S::ZERO; UNKNOWNS];
+        for k in (0..count).rev() {
+            let mut value = a[k][count];
+            for j in k + 1..count {
+                value -= a[k][j] * x[j];
+            }
+            x[k] = value / a[k][k];
         }
+        x
     }
-}
-
-/// The unknowns of equations that were brought to triangular form.
-fn substitute<S: Float>(a: &[[S; UNKNOWNS + 1]; UNKNOWNS]) -> [S; UNKNOWNS] {
-    let mut x = [S::ZERO; UNKNOWNS];
-    for k in (0..UNKNOWNS).rev() {
-        let mut value = a[k][UNKNOWNS];
-        for j in k + 1..UNKNOWNS {
-            value -= a[k][j] * x[j];
-        }
-        x[k] = value / a[k][k];
-    }
-    x
 }
 
 #[cfg(test)]
@@ -263,7 +294,7 @@ mod tests {
     fn equations_are_solved_with_rows_exchanged() {
         for hidden in [false, true] {
             let rows = rows(hidden);
-            let (x, _) = Equations { rows }.pivoted();
+            let (x, _) = Equations { rows, count: UNKNOWNS }.pivoted();
             assert!(left(&rows, &x) < 1e-12);
         }
     }
@@ -272,6 +303,6 @@ mod tests {
     fn equations_that_are_singular_have_no_finite_solution() {
         let mut rows = rows(false);
         rows[5] = rows[4];
-        assert!(!Equations { rows }.pivoted().0.iter().all(|x| x.abs() < 1e9));
+        assert!(!Equations { rows, count: UNKNOWNS }.pivoted().0.iter().all(|x| x.abs() < 1e9));
     }
 }

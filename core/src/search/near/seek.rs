@@ -7,7 +7,6 @@ use super::asked::Asked;
 use super::curve::{Arm, apart};
 use super::{Exact, Near};
 use crate::evenly::evenly;
-use crate::frame::{norm, sub};
 use crate::polish::Polished;
 use crate::search::Search;
 use crate::{Branch, Float, Frame, IkError, Solution, Solutions, Target, Wanted, Winding};
@@ -73,7 +72,8 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
             self.seek = Some(self.ask());
         }
         let seek = self.seek.as_mut()?;
-        if seek.complete {
+        // What is no pose the chain is asked for again, with all that it has against its doubts.
+        if seek.complete || (!is_pose && self.chain.is_some() && !seek.found.is_empty()) {
             return None;
         }
         let number = seek.asked;
@@ -98,7 +98,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         Some(seek.target)
     }
 
-    const fn asks_for_pose(&self) -> bool {
+    pub(super) const fn asks_for_pose(&self) -> bool {
         matches!(self.target, Target::Pose(_))
     }
 
@@ -114,25 +114,18 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
             walked: [[S::ZERO; N]; PLACES],
             places: 0,
         };
-        let (Some(Exact { arm, joints }), Target::Pose(target)) = (&self.chain, &self.target) else {
-            return seek;
-        };
+        let Some(Exact { arm, joints }) = &self.chain else { return seek };
         let Some(six) = arm.six(&[]) else { return seek };
-        let pose = target.in_f64();
+        let (target, pose) = (self.target.in_f64(), self.target.any_frame().in_f64());
         let (_, sure) = six.solve_plainly(&pose, |values, determinant| {
-            let tip = six.tip(values);
+            let (position_error, rotation_error) = target.errors(&six.tip(values));
             let mut q = [S::ZERO; N];
-            for (joint, [factors @ .., constant]) in self.unknowns.iter().zip(joints) {
+            for (slot, [factors @ .., constant]) in q.iter_mut().zip(*joints) {
                 let value = factors.iter().zip(values).fold(*constant, |sum, (factor, x)| sum + factor * x);
-                if let Some(slot) = q.get_mut(*joint) {
-                    *slot = S::from_f64(value);
-                }
+                *slot = S::from_f64(value);
             }
-            let found = Polished {
-                q,
-                position_error: S::from_f64(norm(sub(tip.translation, pose.translation))),
-                rotation_error: S::from_f64(crate::rotation_error(&pose.rotation, &tip.rotation)),
-            };
+            let [position_error, rotation_error] = [position_error, rotation_error].map(S::from_f64);
+            let found = Polished { q, position_error, rotation_error };
             let negative = (determinant < 0.0) != self.labels.mirrored;
             seek.add(self.labels.solution(&found, negative), self.search.windings);
         });
@@ -159,7 +152,8 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         }
         // Of a step that any value meets, this one will do.
         self.search.accepted += 1;
-        let asked = Asked { target: &target, unknowns: self.unknowns, follow: self.follow, reach };
+        let (across, unknowns, follow) = (self.across, self.unknowns, self.follow);
+        let asked = Asked { target: &target, unknowns, follow, across, reach };
         let deviation = S::from_f64(self.deviation);
         let mut arm = Arm { asked, labels: &self.labels, deviation, pose_and_jacobian };
         let from = match arm.bring(q) {

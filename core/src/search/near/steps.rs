@@ -94,17 +94,20 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
     #[cold]
     #[inline(never)]
     fn trig_of_neighbour(&mut self, step: Step, [a, b, c]: [S; 3]) -> Roots<S> {
-        let nothing = S::from_f64(MARGIN) * self.own(step);
+        let nothing = self.nothing(step);
         if [a, b, c].iter().all(|x| !above(x.abs(), nothing)) {
             return self.search.free(Free::every(step, self.search.accepted));
         }
         self.search.trig(step, a, b, c)
     }
 
-    /// What a step's equation may be off by as if all earlier unknowns were right, in its own dimension.
-    fn own(&self, step: Step) -> S {
+    /// Of a neighbour of a target that is no pose: coefficients that are no greater vanish, as far as is known.
+    fn nothing(&self, step: Step) -> S {
+        if self.asks_for_pose() {
+            return -S::ONE;
+        }
         let deviation = self.gains.get(row(usize::from(step.index))).copied().unwrap_or(f64::INFINITY);
-        S::from_f64(deviation) * step.measure.scale(self.search.reach)
+        S::from_f64(MARGIN * deviation) * step.measure.scale(self.search.reach)
     }
 
     /// Two roots that are about to meet, or have met.
@@ -204,7 +207,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
     #[cold]
     #[inline(never)]
     fn trig_pair_of_neighbour(&mut self, step: Step, first: [S; 3], second: [S; 3]) -> Roots<S> {
-        let nothing = S::from_f64(MARGIN) * self.own(step);
+        let nothing = self.nothing(step);
         if first.iter().chain(&second).all(|x| !above(x.abs(), nothing)) {
             return self.search.free(Free::every(step, self.search.accepted));
         }
