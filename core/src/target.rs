@@ -123,6 +123,9 @@ fn rigidity_tolerance<S: Float>() -> S {
     S::from_f64(1e-6).max(S::from_f64(16.0) * S::EPSILON)
 }
 
+/// See [`Target::frame_of_chain`] (rad).
+const ODD_ANGLES: [f64; 3] = [0.73, 0.41, -1.19];
+
 /// Rotations nearer than this many machine epsilons to a rigid one are left as they are, to the bit.
 const RIGID: f64 = 8.0;
 
@@ -231,6 +234,17 @@ impl<S: Float> Target<S> {
             Self::Direction(direction) => Frame { rotation: along(*direction), ..Frame::IDENTITY },
             Self::Xy(position) => Frame::from_translation(level(*position)),
             Self::XyYaw { position, yaw } => Frame::from_rpy(level(*position), [S::ZERO, S::ZERO, *yaw]),
+        }
+    }
+
+    /// A frame for the tip of a chain of six joints that ends in a spherical joint where the target leaves the orientation open:
+    /// turned by angles that no arm has, so that its axes are in one plane at no pose that anyone would ask for.
+    pub(crate) fn frame_of_chain(&self) -> Option<Frame<S>> {
+        match self {
+            Self::Position(position) | Self::Lookat(position) => {
+                Some(Frame::from_rpy(*position, ODD_ANGLES.map(S::from_f64)))
+            }
+            _ => self.frame(),
         }
     }
 

@@ -2,8 +2,8 @@
 
 use super::linear::{determinant, solve};
 use super::{JOINTS, SixJoints};
-use crate::Frame;
 use crate::frame::{cross, sub};
+use crate::{Float, Frame};
 
 /// The tip, and the columns of the Jacobian.
 pub(super) fn pose_and_jacobian(arm: &SixJoints<'_>, q: &[f64; JOINTS]) -> (Frame, [[f64; 6]; JOINTS]) {
@@ -32,13 +32,18 @@ impl SixJoints<'_> {
         solve(&mut rows)
     }
 
-    /// Whether the last three joints, which stand for what a target leaves open, turn the determinant of the Jacobian over
-    /// at joint values (rad, m). They are any rotation, whichever way their axes go round: that way changes where two of
-    /// them are parallel.
-    pub(crate) fn is_turned_over(&self, q: &[f64; JOINTS]) -> bool {
+    /// Joint values (rad, m) whose last three joints, which stand for an orientation that a target leaves open, don't turn the
+    /// determinant of the Jacobian over, and whether these did. They are any rotation in two ways, by a turn about z, one about x
+    /// and one about z, of which the middle one goes either way round.
+    pub(crate) fn turned_back(&self, q: &[f64; JOINTS]) -> ([f64; JOINTS], bool) {
         let (_, columns) = pose_and_jacobian(self, q);
         let [.., a, b, c] = columns.map(|[_, _, _, wx, wy, wz]| [wx, wy, wz]);
-        determinant(&[a, b, c]) < 0.0
+        let [x, y, z, first, middle, last] = *q;
+        if determinant(&[a, b, c]) >= 0.0 {
+            return (*q, false);
+        }
+        let half = core::f64::consts::PI;
+        ([x, y, z, (first + half).wrap_angle(), -middle, (last + half).wrap_angle()], true)
     }
 }
 

@@ -91,7 +91,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let _ = self.begin(step);
         let mut candidates = Candidates::none(step);
         let values = in_f64(given);
-        let (Some(pose), Some(six)) = (target.frame(), arm.six(&values)) else {
+        let (Some(pose), Some(six)) = (target.frame_of_chain(), arm.six(&values)) else {
             return candidates;
         };
         let pose = pose.in_f64();
@@ -99,19 +99,18 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let scale = if arm.reach < 1.0 { arm.reach } else { 1.0 };
         let behind = JOINTS.saturating_sub(step.rows.count_ones() as usize);
         let outcome = six.solve(&pose, |solution, determinant| {
+            // Either way that three joints make up an orientation is the same solution of the arm.
+            let (solution, turned) = if behind >= 3 { six.turned_back(solution) } else { (*solution, false) };
+            let solution = &solution;
             let crowded = candidates.len >= MAX_SOLUTIONS && six.is_singular(solution);
             let near = scale * if crowded { SAME_STRETCH } else { SAME };
             if !candidates.as_slice().iter().any(|other| same(&other.q, solution, six.prismatic, near)) {
-                candidates.push(Candidate { q: *solution, free: None, minus: determinant < 0.0 });
+                let minus = (determinant < 0.0) != turned;
+                candidates.push(Candidate { q: *solution, free: None, minus });
             }
         });
         if outcome.doubted || candidates.len > MAX_SOLUTIONS {
             candidates = self.without_curves(&six, &pose, &candidates, scale);
-        }
-        if behind >= 3 {
-            for candidate in candidates.as_mut_slice() {
-                candidate.minus ^= six.is_turned_over(&candidate.q);
-            }
         }
         if candidates.is_empty() {
             let excess = S::from_f64(outcome.miss);
@@ -185,8 +184,8 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
                 let (also, nearest) = six.follow(pose, &q, &wanted, own, &others);
                 passed |= also;
                 point = on_curve(&nearest).unwrap_or(point);
-                let minus = six.determinant(&point.q) < 0.0;
-                candidate = Candidate { q: point.q, free: point.joint, minus };
+                let (q, _) = if own + 3 <= JOINTS { six.turned_back(&point.q) } else { (point.q, false) };
+                candidate = Candidate { q, free: point.joint, minus: six.determinant(&q) < 0.0 };
             }
             let is_known = |other: &Candidate| {
                 let both = other.free.is_some() && candidate.free.is_some();

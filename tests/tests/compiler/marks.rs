@@ -254,3 +254,39 @@ fn a_curve_of_solutions_is_listed_once() {
         assert!((1..=2).contains(&marked) && set.len() <= 8, "{q:?}: {set:?}");
     }
 }
+
+/// Three joints solve a position as six whose last three stand for the orientation: where these were in one plane, points of a
+/// curve were listed unmarked, and regular solutions lost.
+#[test]
+fn what_only_the_chain_has_neither_hides_curves_nor_loses_solutions() {
+    let mut random = Random(31);
+    let folded = arm(&["d = 0.3\na = 0.1\nalpha = 90", "a = 0.4\nalpha = -90", "a = 0.4"], &["position"]);
+    let (folded, oracle) = (engine::interpreter(&folded).unwrap(), Oracle::read(&folded).unwrap());
+    let mut told = 0;
+    for _ in 0..50 {
+        // The third link lies on the second, whichever way that points: two curves that have met.
+        let q = [2.0 * PI * (random.unit() - 0.5), 2.0 * PI * (random.unit() - 0.5), PI];
+        let mut set = SolutionSet::new();
+        folded.ik_into("to_position", &target_of("position", &oracle.fk(&q)), &mut set).unwrap();
+        assert!(set.iter().any(|solution| solution.free.is_some()), "{q:?}: {set:?}");
+        told += usize::from(set.iter().all(|solution| solution.free.is_some()));
+    }
+    assert!(told >= 42, "{told} of 50");
+    let skew = ["d = 0.3\na = 0.25\nalpha = 90", "a = 0.4\nalpha = -90", "d = 0.4\na = 0.4"];
+    let text = arm(&skew, &["position"]);
+    let (skew, oracle) = (engine::interpreter(&text).unwrap(), Oracle::read(&text).unwrap());
+    for number in 0..2000 {
+        let q = match number {
+            0 => [2.704_951_545_404_51, 1.708_860_999_512_529_5, -0.075_042_534_233_841_16],
+            _ => [(); 3].map(|()| 2.0 * PI * (random.unit() - 0.5)),
+        };
+        let mut set = SolutionSet::new();
+        skew.ik_into("to_position", &target_of("position", &oracle.fk(&q)), &mut set).unwrap();
+        let apart = |found: &[f64]| {
+            let away = found.iter().zip(q).map(|(a, b)| ((a - b + PI).rem_euclid(2.0 * PI) - PI).abs());
+            away.fold(0.0, f64::max)
+        };
+        let nearest = set.iter().map(|solution| apart(solution.q)).fold(f64::INFINITY, f64::min);
+        assert!(nearest < 1e-5 && set.len() <= 5, "{nearest:e} from {q:?}: {set:?}");
+    }
+}
