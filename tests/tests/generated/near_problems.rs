@@ -46,7 +46,7 @@ struct Case {
     keep: fn(&mut [f64]),
 }
 
-const CASES: [Case; 6] = [
+const CASES: [Case; 7] = [
     Case {
         name: "parallel axes 1e-8 and more off, a tool to the side",
         rows: &[
@@ -112,6 +112,15 @@ const CASES: [Case; 6] = [
         tilts: &[1.0, 0.6, 0.0],
         tool: None,
         target: "position",
+        constraints: &[],
+        keep: |_| {},
+    },
+    Case {
+        name: "a planar arm",
+        rows: &[(false, 0.0, 0.3, 0.0, 0.0), (false, 0.0, 0.25, 0.0, 0.0), (false, 0.0, 0.1, 0.0, 0.0)],
+        tilts: &[1.0, -1.0, 0.0],
+        tool: None,
+        target: "xy_yaw",
         constraints: &[],
         keep: |_| {},
     },

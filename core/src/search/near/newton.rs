@@ -83,7 +83,7 @@ pub(super) fn solve<const N: usize, S: Float>(
         let far = dot(missing.0, missing.0) * per_reach * per_reach;
         let angle = dot(missing.1, missing.1);
         // The square, as are what it is compared with.
-        let error = if far > angle { far } else { angle };
+        let error = if far > angle || far.is_nan() { far } else { angle };
         let slow = error > S::from_f64(CONVERGES * CONVERGES) * last;
         let met = error <= rounding * rounding || (error <= small * small && slow);
         if !met && (slow || error.is_nan()) {
@@ -266,7 +266,9 @@ impl<S: Float> Equations<S> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Equations, UNKNOWNS};
+    use super::{Equations, UNKNOWNS, solve};
+    use crate::search::near::asked::{Asked, across};
+    use crate::{Frame, Target};
 
     /// Rows whose first pivots vanish where they aren't exchanged, if `hidden`.
     fn rows(hidden: bool) -> [[f64; UNKNOWNS + 1]; UNKNOWNS] {
@@ -304,5 +306,20 @@ mod tests {
         let mut rows = rows(false);
         rows[5] = rows[4];
         assert!(!Equations { rows, count: UNKNOWNS }.pivoted().0.iter().all(|x| x.abs() < 1e9));
+    }
+
+    /// Whatever rows the target has that they miss nothing of.
+    #[test]
+    fn joint_values_that_are_no_numbers_meet_nothing() {
+        let place = |q: &[f64; 2]| {
+            let (s, c) = libm::sincos(q[0]);
+            let tool = Frame::from_translation([c, s, q[1]]);
+            (tool, [[-s, c, 0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
+        };
+        for target in [Target::Xy([1.0, 0.0]), Target::XyYaw { position: [1.0, 0.0], yaw: 0.0 }] {
+            let across = across(&target);
+            let asked = Asked { target: &target, unknowns: &[0, 1], follow: &[], across, reach: 1.0 };
+            assert!(solve([f64::NAN, 0.0], &asked, place).is_none(), "{target:?}");
+        }
     }
 }
