@@ -18,5 +18,5 @@ fi
 cargo build --locked --quiet --bin dhc
 for session in tests/clients/dynamixel.py tests/clients/mycobot.py; do
     echo "$session"
-    "$python" "$session" target/debug/dhc
+    "$python" "$session" "${CARGO_TARGET_DIR:-target}/debug/dhc"
 done
