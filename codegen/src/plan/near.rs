@@ -20,6 +20,9 @@ const SAMPLES: usize = 256;
 /// Gen3 (1.0e-2) and Baxter (7.9e-3) lost solutions about singular poses that the general chain finds; none that is nearer did.
 const FARTHEST: f64 = 5e-3;
 
+/// A unit vector with less than this along the ground is steep.
+const LEVEL: f64 = 0.8;
+
 /// The full pose by the nearly special arm's nominal one; `None` where there is none, or none with a closed form.
 pub(super) fn full_pose(model: &Model, constants: &mut Constants) -> Option<Function> {
     let nominal = model.nominal()?;
@@ -65,6 +68,9 @@ fn function(
         return None;
     }
     let moves = Moves::of(model, problem)?;
+    if matches!(problem.target, Target::PositionYaw | Target::XyYaw) && !keeps_level(model, &moves) {
+        return None;
+    }
     let deviation = deviation(model, &nominal.model);
     if deviation > FARTHEST {
         return None;
@@ -176,6 +182,15 @@ fn joints(model: &Model, problem: &Problem) -> Option<Vec<Form>> {
         Some(form)
     });
     forms.collect()
+}
+
+/// Whether the tool's x axis is nowhere steep: a yaw magnifies what the arm is off by where it is, without bound.
+fn keeps_level(model: &Model, moves: &Moves) -> bool {
+    (0..SAMPLES).all(|sample| {
+        let q = moves.kept(joint_vector(model, sample));
+        let [[x, ..], [y, ..], _] = frame(&product::frames(model, &q).tool).rotation;
+        x.hypot(y) >= LEVEL
+    })
 }
 
 /// How far apart the tool frames of two arms are at the same joint values (reaches, rad), at most.

@@ -73,9 +73,9 @@ pub(super) fn held<const N: usize, S: Float>(
     solutions: &Solutions<N, S>,
     broken: impl Fn(&[S; N]) -> Option<Rule<S>>,
 ) -> Result<Solutions<N, S>, IkError<S>> {
-    let mut held = Solutions::EMPTY;
+    let mut held = solutions.copied();
     let mut refused: Option<Rule<S>> = None;
-    for solution in solutions {
+    for solution in &held.take() {
         let excess = |rule: &Rule<S>| if let Rule::Where { excess, .. } = rule { *excess } else { S::ZERO };
         match broken(&solution.q) {
             None => held.append(*solution),

@@ -21,8 +21,8 @@ use super::{Roots, Search};
 use crate::branch::bit_of;
 use crate::frame::{dot, sub};
 use crate::{
-    Branch, Float, Frame, GeneralArm, IkError, Polished, Rule, Solution, Solutions, Target, Winding,
-    residual_tolerance,
+    Branch, Float, Frame, GeneralArm, IkError, MAX_SOLUTIONS, Polished, Rule, Solution, Solutions, Target,
+    Winding, residual_tolerance,
 };
 use asked::Asked;
 use curve::Arm;
@@ -188,7 +188,8 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
                 // Real solutions come and go in pairs, one on each side of a singularity.
                 let minus =
                     self.search.solutions.iter().filter(|solution| solution.branch != Branch::PLUS).count();
-                self.doubtful |= self.search.solutions.len() != 2 * minus;
+                let count = self.search.solutions.len();
+                self.doubtful |= count != 2 * minus || count == MAX_SOLUTIONS;
             }
             return if self.doubtful { self.next_neighbour() } else { None };
         }

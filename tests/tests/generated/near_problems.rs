@@ -17,6 +17,8 @@ use dh_tests::engine::everything::computed;
 use dh_tests::oracle::Oracle;
 use std::f64::consts::{FRAC_PI_2, PI};
 
+mod crowds;
+
 #[dh_robot("../../near/five_tilted.toml")]
 struct Five;
 
@@ -31,11 +33,21 @@ impl Random {
     }
 }
 
+/// Whether it slides, d, a, alpha (m, quarter turns), offset (quarter turns).
+type Row = (bool, f64, f64, f64, f64);
+
+const YOUBOT_LIKE: [Row; 5] = [
+    (false, 0.147, 0.033, 1.0, 0.0),
+    (false, 0.0, 0.155, 0.0, 0.0),
+    (false, 0.0, 0.135, 0.0, 0.0),
+    (false, 0.0, 0.02, 1.0, 1.0),
+    (false, 0.2175, 0.0, 0.0, 0.0),
+];
+
 /// An arm and a problem of it, with its twists off by angles.
 struct Case {
     name: &'static str,
-    /// Whether a row slides, d, a, alpha (m, quarter turns), offset (quarter turns).
-    rows: &'static [(bool, f64, f64, f64, f64)],
+    rows: &'static [Row],
     /// By how much of what the arm is off by each twist is.
     tilts: &'static [f64],
     /// xyz, and by how much of that the tool is turned about x.
@@ -64,13 +76,7 @@ const CASES: [Case; 7] = [
     },
     Case {
         name: "a tool that is nearly straight",
-        rows: &[
-            (false, 0.147, 0.033, 1.0, 0.0),
-            (false, 0.0, 0.155, 0.0, 0.0),
-            (false, 0.0, 0.135, 0.0, 0.0),
-            (false, 0.0, 0.02, 1.0, 1.0),
-            (false, 0.2175, 0.0, 0.0, 0.0),
-        ],
+        rows: &YOUBOT_LIKE,
         tilts: &[0.0; 5],
         tool: Some(([0.02, 0.03, 0.05], 1.0)),
         target: "position_direction",
@@ -126,13 +132,7 @@ const CASES: [Case; 7] = [
     },
     Case {
         name: "a hand that is kept level",
-        rows: &[
-            (false, 0.147, 0.033, 1.0, 0.0),
-            (false, 0.0, 0.155, 0.0, 0.0),
-            (false, 0.0, 0.135, 0.0, 0.0),
-            (false, 0.0, 0.02, 1.0, 1.0),
-            (false, 0.2175, 0.0, 0.0, 0.0),
-        ],
+        rows: &YOUBOT_LIKE,
         tilts: &[0.0, 1.0, 1.0, 0.0, 0.0],
         tool: Some(([0.03, 0.02, 0.1], 0.0)),
         target: "position",

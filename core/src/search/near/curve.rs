@@ -16,6 +16,11 @@ use crate::{Float, Frame, Solution, Solutions};
 /// A candidate whose error (reaches, rad) Newton's method doesn't bring below this is none.
 const FOUND: f64 = 1e-12;
 
+/// What rounding leaves of a target that is met (reaches, rad), and how far apart (rad, m) joint values may be that are asked
+/// whether they are one solution.
+const MET: f64 = 1e-13;
+const CROWD: f64 = 0.02;
+
 /// Damped steps at most.
 const STEPS: usize = 24;
 
@@ -134,6 +139,33 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
         Some(self.labels.solution(&found, negative))
     }
 
+    /// Adds a solution, unless nothing tells it from one beside it: where roots have met in threes and more, there is a crowd of
+    /// joint values that meet the target, and so does what is between them.
+    pub(super) fn add(&mut self, solution: Solution<N, S>, found: &mut Solutions<N, S>) {
+        if !found.iter().any(|known| self.are_one(known, &solution)) {
+            found.push(solution, self.labels.windings);
+        }
+    }
+
+    fn are_one(&mut self, one: &Solution<N, S>, other: &Solution<N, S>) -> bool {
+        let mut way = other.q;
+        way.iter_mut().zip(one.q).for_each(|(to, from)| *to = (*to - from).wrap_angle());
+        if !way.iter().all(|part| part.abs() <= S::from_f64(CROWD)) {
+            return false;
+        }
+        let reach = self.asked.reach;
+        let error = |(position, rotation): (S, S)| (position / reach).max(rotation);
+        let own = [one, other].map(|one| error((one.position_error, one.rotation_error)));
+        let most = S::TWO * own[0].max(own[1]);
+        let met = S::from_f64(MET).max(S::from_f64(64.0) * S::EPSILON).max(most);
+        [0.25, 0.5, 0.75].into_iter().all(|share| {
+            let mut q = one.q;
+            q.iter_mut().zip(way).for_each(|(value, part)| *value += S::from_f64(share) * part);
+            let (tool, _) = (self.pose_and_jacobian)(&q);
+            error(self.asked.target.errors(&tool)) <= met
+        })
+    }
+
     /// By damped steps of the unknowns.
     fn polish(&mut self, from: [S; N], steps: usize) -> Polished<N, S> {
         let (asked, exact) = (self.asked, &mut self.pose_and_jacobian);
@@ -174,7 +206,7 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
         if start.is_double()
             && let Some(hit) = self.bring(start.q)
         {
-            found.push(hit, self.labels.windings);
+            self.add(hit, found);
         }
         for side in [S::ONE, -S::ONE] {
             match self.walk(&start, side, range, found) {
@@ -280,7 +312,7 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
             let Some(middle) = self.next(a, stride * share) else { return false };
             if middle.is_double() {
                 if let Some(hit) = self.bring(middle.q) {
-                    found.push(hit, self.labels.windings);
+                    self.add(hit, found);
                 }
                 return true;
             }
@@ -306,12 +338,13 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
         if let Some(hit) = newton::solve(q, &self.asked, &mut self.pose_and_jacobian)
             && apart(&hit.at.q, &q) <= size
         {
-            found.push(self.labels.solution(&hit.at, hit.determinant < S::ZERO), self.labels.windings);
+            let hit = self.labels.solution(&hit.at, hit.determinant < S::ZERO);
+            self.add(hit, found);
             return true;
         }
         if divided == 0 {
             let Some(hit) = self.bring(q) else { return false };
-            found.push(hit, self.labels.windings);
+            self.add(hit, found);
             return apart(&hit.q, &q) <= size;
         }
         let Some(middle) = self.next(a, stride * share) else { return false };

@@ -9,7 +9,7 @@ use super::{Exact, Near};
 use crate::evenly::evenly;
 use crate::polish::Polished;
 use crate::search::Search;
-use crate::{Branch, Float, Frame, IkError, Solution, Solutions, Target, Wanted, Winding};
+use crate::{Branch, Float, Frame, IkError, MAX_SOLUTIONS, Solution, Solutions, Target, Wanted, Winding};
 
 /// What has been found at poses around the target.
 #[derive(Debug, Clone)]
@@ -55,6 +55,9 @@ const SAME: f64 = 1e-5;
 
 /// Where Newton's method does not converge, curves are followed at so many poses.
 const FOLLOWED: u32 = 5;
+
+/// Where there are more solutions than there is room for, one of those stays that are not farther apart than this (rad, m).
+const THIN: f64 = 0.1;
 
 /// Where the tool moves as little as this with a joint (reaches, rad), solutions may be near to each other.
 const NEARLY_SINGULAR: f64 = 0.03;
@@ -108,7 +111,11 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
             target: self.target,
             asked: 0,
             idle: 0,
-            found: self.search.solutions.copied(),
+            found: if self.search.solutions.len() == MAX_SOLUTIONS {
+                Solutions::EMPTY
+            } else {
+                self.search.solutions.copied()
+            },
             complete: false,
             crowded: false,
             walked: [[S::ZERO; N]; PLACES],
@@ -158,7 +165,11 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         let mut arm = Arm { asked, labels: &self.labels, deviation, pose_and_jacobian };
         let from = match arm.bring(q) {
             Some(found) => {
-                seek.add(found, self.search.windings);
+                let before = seek.found.len();
+                arm.add(found, &mut seek.found);
+                if seek.found.len() > before {
+                    seek.idle = 0;
+                }
                 let stiffness = arm.stiffness(found.q);
                 seek.crowded |= stiffness < S::from_f64(CROWDED);
                 if seek.was_at(&found.q) || stiffness > S::from_f64(NEARLY_SINGULAR) {
@@ -185,7 +196,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         // Real solutions come and go in pairs, one on each side of a singularity.
         let minus = seek.found.iter().filter(|solution| solution.branch != Branch::PLUS).count();
         let pairs = minus > 0 && seek.found.len() == 2 * minus;
-        let all = seek.complete || (pairs && !seek.crowded && self.asks_for_pose());
+        let all = seek.complete || (pairs && !seek.crowded && !seek.is_full() && self.asks_for_pose());
         all.then(|| Ok(seek.found.copied()))
     }
 
@@ -196,7 +207,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
     {
         let mut search = Search::about(self.search.reach, self.search.windings, wanted);
         if let Some(seek) = &self.seek {
-            search.solutions = seek.found.copied();
+            search.solutions = seek.thinned();
         }
         search
     }
@@ -210,6 +221,24 @@ impl<const N: usize, S: Float> Seek<N, S> {
         if self.found.len() > before {
             self.idle = 0;
         }
+    }
+
+    fn is_full(&self) -> bool {
+        self.found.len() == MAX_SOLUTIONS
+    }
+
+    /// What was found; if that is as many as there is room for, one of those that are beside each other.
+    fn thinned(&self) -> Solutions<N, S> {
+        if !self.is_full() {
+            return self.found.copied();
+        }
+        let mut kept = Solutions::EMPTY;
+        for solution in &self.found {
+            if !kept.iter().any(|known: &Solution<N, S>| apart(&known.q, &solution.q) < S::from_f64(THIN)) {
+                kept.append(*solution);
+            }
+        }
+        kept
     }
 
     /// Whether a curve was followed from a solution, or to it.
