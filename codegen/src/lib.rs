@@ -59,12 +59,17 @@ pub fn compile(text: &str, level: Level) -> Compilation {
             let (mut plan, unsolved) = plan::build(&model);
             let unsolved: Vec<Unsolved> = unsolved
                 .into_iter()
-                .filter_map(|unsolved| match plan::at_once(&model, unsolved.problem) {
-                    Ok(function) => {
-                        plan.functions.push(function);
-                        None
+                .filter_map(|unsolved| {
+                    if matches!(unsolved.refusal, symbolic::inverse_kinematics::Refusal::Singular { .. }) {
+                        return Some(unsolved);
                     }
-                    Err(refusal) => Some(Unsolved { refusal, ..unsolved }),
+                    match plan::at_once(&model, unsolved.problem) {
+                        Ok(function) => {
+                            plan.functions.push(function);
+                            None
+                        }
+                        Err(refusal) => Some(Unsolved { refusal, ..unsolved }),
+                    }
                 })
                 .collect();
             for problem in &unsolved {

@@ -144,15 +144,25 @@ pub fn confirm(model: &Model, plan: &mut Plan, level: Level, second: impl Fn(&Fu
     agreement::confirm(model, plan, level, second);
 }
 
+/// Where the smallest singular value (m/rad, 1, ...) of a problem's Jacobian is nowhere more than this, its joints are too many for
+/// its target.
+const NEARLY_SINGULAR: f64 = 1e-3;
+
 /// What is said of a function that failed.
 fn diagnostic(model: &Model, function: &FunctionReport, failure: &str) -> Diagnostic {
     let message = format!("`{}` is left out, since it did not stand verification: {failure}", function.name);
     let overfull = function.inverse.as_ref().is_some_and(|inverse| inverse.overfull);
-    // The table is not at fault, and the functions that stood it can be used.
+    let stiffest = function.inverse.as_ref().and_then(|inverse| inverse.stiffest);
+    let nearly_singular = stiffest.filter(|stiffest| *stiffest < NEARLY_SINGULAR);
+    // The functions that stood it can be used.
     let warning = Diagnostic::warning(VERIFICATION, message).help(if overfull {
-        "give the problem a constraint more, or leave a joint of it to the caller with `free`, so that fewer solutions are left"
+        "give the problem a constraint more, or leave a joint of it to the caller with `free`, so that fewer solutions are left".to_owned()
+    } else if let Some(stiffest) = nearly_singular {
+        format!(
+            "at every pose the joints can move so that what the target prescribes hardly changes (by {stiffest:.0e} of a rad or m for 1, at most): next to no target can be reached; hold one of these joints, or leave it to the caller (`free`), and prescribe a target with one row less"
+        )
     } else {
-        "this is a mistake of the compiler, not of the table; please report it together with the table"
+        "this is a mistake of the compiler, not of the table; please report it together with the table".to_owned()
     });
     match function.kind {
         FunctionKind::Inverse(Some(index)) => match model.problems.get(index) {

@@ -50,9 +50,10 @@ pub(super) fn functions(model: &Model, constants: &mut Constants) -> (Vec<Functi
         });
         let at = same.unwrap_or_else(|| {
             // Steps might be found for an arm that is regular nowhere: equations that follow from each other are not seen to.
-            let any_turn = problem.target.is_any_turn();
-            let regular = if any_turn { descents::regular(model, &problem) } else { Ok(()) };
-            let derivation = regular.and_then(|()| inverse_kinematics::derive(model, &problem));
+            let derivation = match descents::regular(model, &problem) {
+                Err(refusal @ Refusal::Singular { .. }) => Err(refusal),
+                _ => inverse_kinematics::derive(model, &problem),
+            };
             derived.push((problem.clone(), derivation));
             derived.len() - 1
         });

@@ -16,6 +16,9 @@ use std::cell::OnceCell;
 /// Step of the finite differences (rad or m): their error is then some 1e-10, far below [`SINGULAR`].
 const DIFFERENCE: f64 = 1e-6;
 
+/// A problem is judged at about so many poses.
+const ASKED: usize = 32;
+
 /// One inverse problem under verification.
 pub(super) struct Inverse<'v> {
     pub(super) model: &'v Model,
@@ -45,6 +48,9 @@ impl Inverse<'_> {
             report.poses += 1;
             if let Err(failure) = self.pose(q, &target, &wheres, report) {
                 report.failure = Some(format!("{failure}, asked for the pose at q = {q:?}"));
+                if let Some(inverse) = &mut report.inverse {
+                    inverse.stiffest = self.stiffest(&poses);
+                }
                 return;
             }
         }
@@ -130,6 +136,16 @@ impl Inverse<'_> {
     fn kind(&self) -> model::Target {
         let problem = self.problem.and_then(|index| self.model.problems.get(index));
         problem.map_or(model::Target::Pose, |problem| problem.target)
+    }
+
+    /// The greatest of the smallest singular values at some of these poses.
+    fn stiffest(&self, poses: &[Vec<f64>]) -> Option<f64> {
+        let some = poses.iter().enumerate().step_by(1 + poses.len() / ASKED);
+        let smallest = some.filter_map(|(number, q)| {
+            let target = target_of(self.kind(), &reference::tool(self.model, q), number, self.reach)?;
+            Some(self.smallest_singular_value(q, &target))
+        });
+        smallest.reduce(f64::max)
     }
 
     /// The smallest singular value of how the prescribed numbers change with the unknowns (m/rad, 1, ...), by central
