@@ -76,7 +76,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         }
         let seek = self.seek.as_mut()?;
         // What is no pose the chain is asked for again, with all that it has against its doubts.
-        if seek.complete || (!is_pose && self.chain.is_some() && !seek.found.is_empty()) {
+        if seek.complete || (!is_pose && self.chain.is_some() && seek.has_pairs()) {
             return None;
         }
         let number = seek.asked;
@@ -136,7 +136,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
             let negative = (determinant < 0.0) != self.labels.mirrored;
             seek.add(self.labels.solution(&found, negative), self.search.windings);
         });
-        seek.complete = sure && !seek.found.is_empty();
+        seek.complete = sure && seek.has_pairs();
         seek
     }
 
@@ -193,10 +193,8 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
     #[cold]
     pub(super) fn sought(&self) -> Option<Result<Solutions<N, S>, IkError<S>>> {
         let seek = self.seek.as_ref()?;
-        // Real solutions come and go in pairs, one on each side of a singularity.
-        let minus = seek.found.iter().filter(|solution| solution.branch != Branch::PLUS).count();
-        let pairs = minus > 0 && seek.found.len() == 2 * minus;
-        let all = seek.complete || (pairs && !seek.crowded && !seek.is_full() && self.asks_for_pose());
+        let all =
+            seek.complete || (seek.has_pairs() && !seek.crowded && !seek.is_full() && self.asks_for_pose());
         all.then(|| Ok(seek.found.copied()))
     }
 
@@ -221,6 +219,12 @@ impl<const N: usize, S: Float> Seek<N, S> {
         if self.found.len() > before {
             self.idle = 0;
         }
+    }
+
+    /// Real solutions come and go in pairs, one on each side of a singularity.
+    fn has_pairs(&self) -> bool {
+        let minus = self.found.iter().filter(|solution| solution.branch != Branch::PLUS).count();
+        minus > 0 && self.found.len() == 2 * minus
     }
 
     fn is_full(&self) -> bool {
