@@ -188,8 +188,8 @@ pub trait Kinematics<S: Float = f64> {
     /// The joint values inside their limits, and the tool frame there, that come nearest to a target, for one that cannot be
     /// reached: the sum of the squares of [`Target::errors`] is least, rad beside lengths in the size of the arm (the
     /// distances of its frames' origins, one to the next, in the middle of the limits). A problem's constraints on joints are
-    /// kept (to about 1e-8 of what the target is missed by, in f64), limits on sums likewise; its `where` and the rules of the workspace are not looked
-    /// at.
+    /// kept (to about 1e-8 of what the target is missed by, in f64), limits on sums and the rules of the workspace likewise; its
+    /// `where` is not looked at.
     ///
     /// Damped Gauss-Newton steps lead downhill from the seed (rad or m; without one, from the middle of the
     /// limits) and from 15 places more. What they find is a least distance near there; nothing proves that there is no

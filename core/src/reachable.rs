@@ -1,10 +1,13 @@
 //! The target nearest to one that cannot be reached.
 
 use crate::evenly::evenly;
-use crate::frame::{norm, sub};
+use crate::frame::{dot, norm, sub};
 use crate::kinematics::padded;
 use crate::selection::nearest_winding;
-use crate::{Float, Frame, IkError, JointKind, Kinematics, LengthError, Limits, MAX_JOINTS, Target};
+use crate::{
+    Axis, Bound, Float, Frame, IkError, JointKind, KeepOut, Kinematics, LengthError, Limits, MAX_JOINTS,
+    Side, Target,
+};
 
 /// One term of a linear equation between joint values that an inverse problem prescribes. The terms of an equation add up
 /// to 0, or to whole turns.
@@ -51,11 +54,11 @@ const DAMPING: f64 = 4.0;
 /// Rows of what a target prescribes.
 const ROWS: usize = 6;
 
-/// More equations than this between joints are not looked at, nor more limits on sums of joints.
+/// More equations than this between joints are not looked at, nor more limits on sums of joints, nor rules of the workspace.
 const EQUATIONS: usize = 8;
 
 /// All that is to become 0.
-const ALL: usize = ROWS + 2 * EQUATIONS;
+const ALL: usize = ROWS + 3 * EQUATIONS;
 
 /// The target nearest to `target` that a problem of an arm reaches inside the limits of its joints: see
 /// [`Kinematics::nearest_reachable`].
@@ -110,6 +113,35 @@ pub(crate) fn size<K: Kinematics<S> + ?Sized, S: Float>(arm: &K) -> Result<S, Le
         last = frame.translation;
     }
     Ok(if sum > S::ZERO && sum.is_finite() { sum } else { S::ONE })
+}
+
+/// How far (m) a point is beyond a bound, with an edge to spare, and the direction that leads back.
+fn beyond<S: Float>(bound: &Bound<S>, edge: S, point: [S; 3]) -> (S, [S; 3]) {
+    let value = bound.axis.of(point);
+    match bound.side {
+        Side::Min => (bound.value + edge - value, along(bound.axis, S::ONE)),
+        Side::Max => (value - bound.value + edge, along(bound.axis, -S::ONE)),
+    }
+}
+
+/// How far (m) a point is inside a box, with an edge to spare, and the direction that leads out of it where it is nearest.
+fn within<S: Float>(keep: &KeepOut<S>, edge: S, point: [S; 3]) -> (S, [S; 3]) {
+    let mut least = (S::INFINITY, [S::ZERO; 3]);
+    for axis in [Axis::X, Axis::Y, Axis::Z] {
+        let value = axis.of(point);
+        let sides = [(value - axis.of(keep.min), -S::ONE), (axis.of(keep.max) - value, S::ONE)];
+        for (depth, side) in sides {
+            if depth + edge < least.0 {
+                least = (depth + edge, along(axis, side));
+            }
+        }
+    }
+    least
+}
+
+/// The unit vector along an axis, or against it.
+fn along<S: Float>(axis: Axis, side: S) -> [S; 3] {
+    [Axis::X, Axis::Y, Axis::Z].map(|other| if other == axis { side } else { S::ZERO })
 }
 
 /// A descent by damped Gauss-Newton steps \[Levenberg 1944, Marquardt 1963\] inside the limits.
@@ -223,8 +255,30 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Descent<'_, K, S> {
                 }
             }
         }
+        self.keep_workspace(tool.translation, &twists, weight * self.per_reach, &mut local);
         local.cost = local.rows.iter().fold(S::ZERO, |sum, row| sum + *row * *row);
         local
+    }
+
+    /// What the rules of the workspace make of the tool point (m), as far as they are broken.
+    fn keep_workspace(&self, point: [S; 3], twists: &[[S; 6]; MAX_JOINTS], weight: S, local: &mut Local<S>) {
+        let rules = self.arm.rules();
+        // Allowed in the end, though rounding is left.
+        let edge = S::SQRT_EPSILON / self.per_reach;
+        let bounds = rules.bounds.iter().map(|bound| beyond(bound, edge, point));
+        let boxes = rules.keep_out.iter().map(|keep| within(keep, edge, point));
+        let broken = bounds.chain(boxes).take(EQUATIONS).enumerate();
+        for (number, (depth, out)) in broken.filter(|(_, (depth, _))| *depth > S::ZERO) {
+            let place = ROWS + 2 * EQUATIONS + number;
+            if let Some(row) = local.rows.get_mut(place) {
+                *row = weight * depth;
+            }
+            for (column, [x, y, z, ..]) in local.columns.iter_mut().zip(twists).take(self.dof) {
+                if let Some(entry) = column.get_mut(place) {
+                    *entry = -weight * dot(out, [*x, *y, *z]);
+                }
+            }
+        }
     }
 
     /// The step from the normal equations of the joints that may move, by Cholesky's factorisation.

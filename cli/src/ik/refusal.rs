@@ -70,7 +70,7 @@ pub(super) fn with_nearest(refusal: Refusal, units: Units<'_>, nearest: &Reachab
         units.angle_name()
     );
     let text = format!(
-        "the nearest that was found within the limits of the joints is {off}: position {position}, quaternion {quaternion}, with the joints at {}",
+        "the nearest that was found within the limits and rules is {off}: position {position}, quaternion {quaternion}, with the joints at {}",
         q.join(",")
     );
     let text = match &refusal.help {

@@ -193,6 +193,7 @@ impl<'a> Question<'a> {
             IkError::Singular { .. }
                 | IkError::Unreachable { .. }
                 | IkError::OutsideLimits { .. }
+                | IkError::Forbidden { .. }
                 | IkError::Failed { .. }
         );
         let nearest = || self.arm.nearest_reachable(self.name, target, Some(&self.near));

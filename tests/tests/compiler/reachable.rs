@@ -150,6 +150,32 @@ fn nothing_nearby_is_nearer() {
     }
 }
 
+#[test]
+fn the_workspace_is_kept() {
+    let text = "[robot]\nname = \"kept\"\nconvention = \"standard\"\n[workspace]\nz_min = 0.1\n\
+        keep_out = [{ min = [0.3, -0.2, 0.2], max = [0.6, 0.2, 2] }]\n\
+        [[joint]]\nd = 0.3\nalpha = \"pi/2\"\nlimits = [-1, 1]\n[[joint]]\na = 0.4\nlimits = [-1.2, 1.7]\n\
+        [[joint]]\na = 0.3\nlimits = [0, 2.6]\n[[ik]]\nname = \"pos\"\ntarget = \"position\"\n";
+    let arm = engine::interpreter(text).unwrap();
+    for target in [[0.4, 0.1, 0.4], [0.45, 0.0, 0.5], [0.0, 0.0, 0.8], [0.5, 0.1, -0.1], [0.2, 0.1, 0.1]] {
+        let found = arm.nearest_reachable("pos", &Target::Position(target), None).unwrap();
+        assert!(arm.rules().check(found.q(), found.tool.translation).is_ok(), "{target:?}: {found:?}");
+        // No joint values that are allowed come nearer.
+        let steps = |[min, max]: [f64; 2]| (0..=50).map(move |k| min + (max - min) * f64::from(k) / 50.0);
+        for q1 in steps([-1.0, 1.0]) {
+            for q2 in steps([-1.2, 1.7]) {
+                for q3 in steps([0.0, 2.6]) {
+                    let q = [q1, q2, q3];
+                    let point = arm.fk(&q).unwrap().translation;
+                    let off: f64 = point.iter().zip(target).map(|(a, b)| (a - b) * (a - b)).sum();
+                    let nearer = off.sqrt() < found.position_error - 1e-6;
+                    assert!(!nearer || arm.rules().check(&q, point).is_err(), "{target:?}: {q:?} is nearer");
+                }
+            }
+        }
+    }
+}
+
 /// Constraints of the table's problem hold at what is found.
 #[test]
 fn constraints_are_kept() {
