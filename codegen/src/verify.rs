@@ -144,7 +144,7 @@ pub fn confirm(model: &Model, plan: &mut Plan, level: Level, second: impl Fn(&Fu
     agreement::confirm(model, plan, level, second);
 }
 
-/// Where the smallest singular value (m/rad, 1, ...) of a problem's Jacobian is nowhere more than this, its joints are too many for
+/// Where the smallest singular value (m/rad, 1, ...) of a problem's Jacobian is less than this at most poses, its joints are too many for
 /// its target.
 const NEARLY_SINGULAR: f64 = 1e-3;
 
@@ -152,14 +152,14 @@ const NEARLY_SINGULAR: f64 = 1e-3;
 fn diagnostic(model: &Model, function: &FunctionReport, failure: &str) -> Diagnostic {
     let message = format!("`{}` is left out, since it did not stand verification: {failure}", function.name);
     let overfull = function.inverse.as_ref().is_some_and(|inverse| inverse.overfull);
-    let stiffest = function.inverse.as_ref().and_then(|inverse| inverse.stiffest);
-    let nearly_singular = stiffest.filter(|stiffest| *stiffest < NEARLY_SINGULAR);
+    let stiffness = function.inverse.as_ref().and_then(|inverse| inverse.stiffness);
+    let nearly_singular = stiffness.filter(|stiffness| *stiffness < NEARLY_SINGULAR);
     // The functions that stood it can be used.
     let warning = Diagnostic::warning(VERIFICATION, message).help(if overfull {
         "give the problem a constraint more, or leave a joint of it to the caller with `free`, so that fewer solutions are left".to_owned()
-    } else if let Some(stiffest) = nearly_singular {
+    } else if let Some(stiffness) = nearly_singular {
         format!(
-            "at every pose the joints can move so that what the target prescribes hardly changes (by {stiffest:.0e} of a rad or m for 1, at most): next to no target can be reached; hold one of these joints, or leave it to the caller (`free`), and prescribe a target with one row less"
+            "at most poses the joints can move so that what the target prescribes hardly changes (by {stiffness:.0e} of a rad or m for 1): next to no target can be reached; hold one of these joints, or leave it to the caller (`free`), and prescribe a target with one row less"
         )
     } else {
         "this is a mistake of the compiler, not of the table; please report it together with the table".to_owned()

@@ -49,7 +49,7 @@ impl Inverse<'_> {
             if let Err(failure) = self.pose(q, &target, &wheres, report) {
                 report.failure = Some(format!("{failure}, asked for the pose at q = {q:?}"));
                 if let Some(inverse) = &mut report.inverse {
-                    inverse.stiffest = self.stiffest(&poses);
+                    inverse.stiffness = self.stiffness(&poses);
                 }
                 return;
             }
@@ -138,14 +138,16 @@ impl Inverse<'_> {
         problem.map_or(model::Target::Pose, |problem| problem.target)
     }
 
-    /// The greatest of the smallest singular values at some of these poses.
-    fn stiffest(&self, poses: &[Vec<f64>]) -> Option<f64> {
+    /// The middle one of the smallest singular values at some of these poses.
+    fn stiffness(&self, poses: &[Vec<f64>]) -> Option<f64> {
         let some = poses.iter().enumerate().step_by(1 + poses.len() / ASKED);
         let smallest = some.filter_map(|(number, q)| {
             let target = target_of(self.kind(), &reference::tool(self.model, q), number, self.reach)?;
             Some(self.smallest_singular_value(q, &target))
         });
-        smallest.reduce(f64::max)
+        let mut smallest: Vec<f64> = smallest.collect();
+        smallest.sort_by(f64::total_cmp);
+        smallest.get(smallest.len() / 2).copied()
     }
 
     /// The smallest singular value of how the prescribed numbers change with the unknowns (m/rad, 1, ...), by central

@@ -43,9 +43,9 @@ pub struct InverseReport {
     pub solutions: Vec<usize>,
     /// Whether an original was lost where there are more solutions than are kept (`dh_core::MAX_SOLUTIONS`).
     pub overfull: bool,
-    /// Of a function that failed: the greatest of the smallest singular values of the problem's Jacobian at some poses (m/rad,
-    /// 1, ...). Where that is next to nothing, the problem is nearly singular at every pose.
-    pub stiffest: Option<f64>,
+    /// Of a function that failed: the median of the smallest singular values of the problem's Jacobian at some poses (m/rad, 1,
+    /// ...). Where that is next to nothing, the problem is nearly singular nearly everywhere.
+    pub stiffness: Option<f64>,
 }
 
 impl FunctionReport {
