@@ -38,7 +38,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "Q1,Q2,...", allow_hyphen_values = true)]
     near: Option<List>,
     /// How much a joint's way counts in what is nearest: a factor a joint, of ways in rad and m; 1 for each if left out.
-    #[arg(long, value_name = "W1,W2,...")]
+    #[arg(long, value_name = "W1,W2,...", allow_hyphen_values = true)]
     weights: Option<List>,
     /// How the ways of the joints make one: by the sum of their squares, or the greatest.
     #[arg(long, value_enum, default_value_t)]
@@ -226,7 +226,7 @@ fn list(question: &Question<'_>, answers: &[Answer], out: &mut dyn Write) -> io:
             write!(out, "  breaks limits or rules")?;
         }
         if let Some(row) = answer.free {
-            write!(out, "  row {} is free: one of its values", row + 1)?;
+            write!(out, "  {} is free: one of its values", clean(question.row(row)))?;
         }
         writeln!(out)?;
     }

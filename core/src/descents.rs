@@ -69,6 +69,9 @@ pub(crate) struct Found {
 /// the unknown's period, which is a turn or several (reaches, where it slides).
 pub(crate) type WantedOfFree<'w> = (&'w [f64; UNKNOWNS], f64);
 
+/// An unknown that moves what is prescribed by no more than this (reaches, rad) for 1 does so by rounding.
+const IDLE: f64 = 1e-9;
+
 /// A method of the problem with as many unknowns as the chain has, or what there is for none.
 macro_rules! asked {
     ($chain:expr, $target:expr, $given:expr, |$problem:ident| $answer:expr, $none:expr) => {
@@ -120,6 +123,20 @@ impl RowChain<'_> {
     /// In how many ways the unknowns (rad, m) move the tip of those that a target prescribes, where it is met.
     pub fn rank(&self, target: &Target, given: &[f64], x: &[f64; UNKNOWNS]) -> usize {
         asked!(self, target, given, |problem| rank(&problem.columns(&problem.measured(x))), 0)
+    }
+
+    /// Whether an unknown by itself moves of the tip what a target prescribes, where that is met.
+    pub fn moves(&self, target: &Target, given: &[f64], x: &[f64; UNKNOWNS], place: usize) -> bool {
+        asked!(
+            self,
+            target,
+            given,
+            |problem| {
+                let columns = problem.columns(&problem.measured(x));
+                columns.get(place).is_some_and(|column| column.iter().any(|part| part.abs() > IDLE))
+            },
+            false
+        )
     }
 
     /// The factor of an unknown's own measure, in which a period is a whole turn and lengths are reaches.

@@ -188,10 +188,14 @@ fn reason(robot: &Robot, index: Option<usize>) -> String {
         return format!("left out, since it did not stand verification: {}", clean(failure));
     }
     let unsolved = robot.output.unsolved.iter().find(|unsolved| unsolved.problem == index);
-    match unsolved {
-        Some(unsolved) => format!("not solved: {}", unsolved.refusal.text()),
-        None => "not solved".to_owned(),
+    if let Some(unsolved) = unsolved {
+        return format!("not solved: {}", unsolved.refusal.text());
     }
+    let joints = robot.model().joints.len();
+    let more = joints.saturating_sub(Target::Pose.rows());
+    format!(
+        "not solved: of {joints} joints {more} are too many for a pose; hold them by constraints, or leave them to the caller, in a problem with `target = \"pose\"` and `free = [..]`"
+    )
 }
 
 /// How many roots each stage has at most, in order.
@@ -211,10 +215,7 @@ fn roots(steps: &[Step]) -> Vec<usize> {
                 found.extend(roots(body));
             }
             Step::General { chain, body, .. } => {
-                // A trigonometric polynomial has twice as many roots as its degree; some need not be those of the arm.
-                let most =
-                    chain.charts.first().map_or(MAX_SOLUTIONS, |c| 2 * usize::from(c.degree_of_turn()));
-                found.push(most.min(MAX_SOLUTIONS));
+                found.push(chain.most_solutions());
                 found.extend(roots(body));
             }
             Step::Descents { body, .. } => {

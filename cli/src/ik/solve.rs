@@ -151,6 +151,11 @@ impl<'a> Question<'a> {
         self.free.is_none().then(|| self.units().joint(*joint).1)
     }
 
+    /// The name of a row.
+    pub(crate) fn row(&self, row: usize) -> &'a str {
+        self.robot.model().rows.get(row).map_or("a row", |row| row.name.as_str())
+    }
+
     /// Its name.
     pub(crate) fn name(&self) -> &str {
         self.name

@@ -244,10 +244,25 @@ fn refuse_singular(
     }
     let suiting = Target::ALL.into_iter().filter(|other| other.rows() == unknowns);
     let suiting = suiting.filter(|other| rank(chain, *other, samples) == unknowns).collect();
+    let whole = unknowns < Target::Pose.rows() && rank(chain, Target::Pose, samples) == unknowns;
+    let idle = (0..unknowns).find(|place| {
+        !samples.iter().any(|sample| {
+            let asked = asked(problem.target, &sample.tip, chain.reach);
+            chain.with(|chain| chain.moves(&asked, &sample.given, &sample.x, *place))
+        })
+    });
+    let of = |place: usize| {
+        let form = |form: &Linear| form.terms.iter().any(|(term, _)| *term == place);
+        let mut joints = model.joints.iter().zip(&rows.q).filter(|(_, own)| form(own));
+        let (row, _) = joints.next()?;
+        model.rows.get(*row).map(|row| row.name.clone())
+    };
+    let idle = idle.and_then(of);
     let moves = |form: &Linear| form.terms.iter().any(|(place, _)| *place < unknowns);
     let joints = model.joints.iter().zip(&rows.q).filter(|(_, form)| moves(form));
     let joints = joints.filter_map(|(row, _)| model.rows.get(*row).map(|row| row.name.clone()));
-    Err(Refusal::Singular { joints: joints.collect(), unknowns, ways, target: problem.target, suiting })
+    let joints = joints.collect();
+    Err(Refusal::Singular { joints, idle, unknowns, ways, target: problem.target, suiting, whole })
 }
 
 /// How often starts lead to the solution that fewest lead to, of all that were found at some poses.

@@ -10,7 +10,7 @@ use super::{
 use crate::model::{Model, Problem};
 use crate::symbolic::inverse_kinematics::general::{self, General, GeneralJoint};
 use crate::symbolic::inverse_kinematics::{Linear, Refusal};
-use dh_core::{BranchBit, BranchWord, Chart, Frame};
+use dh_core::{BranchBit, BranchWord, Chart, Frame, MAX_SOLUTIONS};
 
 /// The chain of a [`Step::General`], as `dh_core::GeneralArm` takes it.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +28,14 @@ pub struct GeneralChain {
 }
 
 impl GeneralChain {
+    /// How many solutions there are at most: a trigonometric polynomial has twice as many roots as its degree, of which some need
+    /// not be the arm's.
+    pub fn most_solutions(&self) -> usize {
+        let roots =
+            self.charts.first().map_or(MAX_SOLUTIONS, |chart| 2 * usize::from(chart.degree_of_turn()));
+        roots.min(MAX_SOLUTIONS)
+    }
+
     /// As the numeric kernel takes it.
     pub fn arm(&self) -> dh_core::GeneralArm<'_> {
         dh_core::GeneralArm {

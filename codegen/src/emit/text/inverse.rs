@@ -116,15 +116,20 @@ impl Derivation<'_, '_, '_> {
                     self.stage(*stage, *root, equation, &definitions);
                     self.steps(body);
                 }
-                Step::General { stage: index, roots, body, .. } => {
+                Step::General { stage: index, chain, roots, body, .. } => {
                     self.note_slides(roots);
                     if let Some(stage) = self.function.stages.get(*index) {
                         self.text.gap();
                         self.text.line(1, &format!("Step {}: all joints, by {}", index + 1, stage.unknown));
                         self.text.line(2, &stage.equation);
                         self.text.line(2, &format!("({})", stage.origin));
-                        self.text
-                            .line(2, "up to 16 solutions; each is brought to the pose by Newton's method");
+                        let most = chain.most_solutions();
+                        self.text.line(
+                            2,
+                            &format!(
+                                "up to {most} solutions; each is brought to the pose by Newton's method"
+                            ),
+                        );
                         self.text.lines(2, self.function.sign(*index).as_slice());
                     }
                     self.steps(body);

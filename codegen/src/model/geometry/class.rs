@@ -2,6 +2,7 @@
 
 use super::super::JointKind;
 use super::{Geometry, Relation, RelationKind};
+use std::ops::Range;
 
 impl Geometry {
     /// What kind of arm it is: "6R, spherical wrist, axes 2 and 3 parallel". Axes are numbered by their rows, from 1.
@@ -49,16 +50,34 @@ impl Geometry {
         let special = !spherical.is_empty() || self.parallel_runs().iter().any(|run| run.len() > 2);
         let head = match count {
             _ if revolute && all_parallel => format!("planar {count}R"),
-            4 if all_parallel && letters.matches('P').count() == 1 => format!("SCARA ({letters})"),
+            4 if all_parallel && self.is_scara(0..count, true) => format!("SCARA ({letters})"),
+            4 if self.is_scara(0..count, false) => format!("nearly SCARA ({letters})"),
+            5.. if self.is_scara(0..4, false) => format!("SCARA-like ({letters})"),
             7 if revolute && self.is_spherical_roll_spherical() => "7R".to_owned(),
             6 if revolute && !special => return ("general 6R".to_owned(), ": "),
             _ if revolute => format!("{count}R"),
             _ if letters.starts_with("PPP") => format!("gantry ({letters})"),
             _ if letters.starts_with("RPP") => format!("cylindrical ({letters})"),
-            _ if letters.starts_with("RRP") => format!("polar ({letters})"),
+            _ if letters.starts_with("RRP") && !self.are_parallel(0, false) => format!("polar ({letters})"),
             _ => letters,
         };
         (head, ", ")
+    }
+
+    /// Whether these axes are parallel, as far as is asked, and one of them slides.
+    fn is_scara(&self, axes: Range<usize>, exactly: bool) -> bool {
+        let own = self.axes.get(axes.clone()).unwrap_or_default();
+        let slides = own.iter().filter(|axis| axis.kind == JointKind::Prismatic).count();
+        slides == 1 && axes.skip(1).all(|next| self.are_parallel(next - 1, exactly))
+    }
+
+    /// Whether an axis and the next one are parallel, exactly or nearly.
+    fn are_parallel(&self, first: usize, exactly: bool) -> bool {
+        self.relations.iter().any(|relation| {
+            matches!(relation.kind, RelationKind::Parallel | RelationKind::Coincident)
+                && relation.axes == [first, first + 1]
+                && (relation.exact || !exactly)
+        })
     }
 
     /// Shoulder and wrist of a seven-axis arm, with one axis between them.

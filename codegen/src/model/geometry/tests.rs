@@ -125,3 +125,23 @@ fn a_coupled_row_is_an_axis_and_slides_keep_directions() {
         [[joint]]\nalpha = 90\n[[joint]]\ntype = \"prismatic\"\nalpha = -90\n[[joint]]\n";
     assert_eq!(model(crossed).geometry().class(), "RPR, axes 1 and 3 parallel");
 }
+
+#[test]
+fn arms_with_a_slide_have_the_names_of_the_field() {
+    let class = |twists: [&str; 4], more: &str| {
+        let rows = [(0.3, ""), (0.25, ""), (0.0, "type = \"prismatic\"\nlimits = [0, 0.2]\n"), (0.0, "")];
+        let rows = rows
+            .iter()
+            .zip(twists)
+            .map(|((a, kind), alpha)| format!("[[joint]]\na = {a}\nalpha = {alpha}\n{kind}"));
+        let rows: String = rows.collect();
+        let text = format!("[robot]\nname = \"slide\"\nconvention = \"standard\"\n{rows}{more}");
+        model(&text).geometry().class()
+    };
+    assert!(class(["0", "0", "0", "0"], "").starts_with("SCARA (RRPR)"));
+    assert!(class(["1e-4", "0", "0", "0"], "").starts_with("nearly SCARA (RRPR)"));
+    let tilt = class(["0", "0", "0", "\"pi/2\""], "[[joint]]\nd = 0.1\n");
+    assert!(tilt.starts_with("SCARA-like (RRPRR)"), "{tilt}");
+    let polar = class(["\"pi/2\"", "\"pi/2\"", "0", "0"], "");
+    assert!(polar.starts_with("polar (RRPR)"), "{polar}");
+}

@@ -49,6 +49,8 @@ pub enum Refusal {
     Singular {
         /// The joints that are left to move.
         joints: Vec<String>,
+        /// One of them that by itself moves nothing of what is prescribed.
+        idle: Option<String>,
         /// Of them, so many by themselves: constraints and couplings tie the others to these.
         unknowns: usize,
         /// In so many ways they move what is prescribed.
@@ -57,6 +59,8 @@ pub enum Refusal {
         target: Target,
         /// Targets that they could meet.
         suiting: Vec<Target>,
+        /// Whether a pose that they can meet determines them.
+        whole: bool,
     },
     /// A search doesn't find the arm's own poses.
     NotFound {
@@ -144,10 +148,19 @@ impl Refusal {
                 let names: Vec<_> = suiting.iter().map(|target| format!("`{}`", target.name())).collect();
                 format!("these joints can meet another target: {}", names.join(", "))
             }
-            Self::Singular { unknowns, ways, .. } => {
+            Self::Singular { idle, unknowns, ways, whole, .. } => {
                 let more = unknowns.saturating_sub(*ways);
+                let which = match idle {
+                    Some(idle) => format!("{idle} by itself moves nothing of it: "),
+                    None => String::new(),
+                };
+                let whole = if *whole {
+                    "; or prescribe the whole `pose`: of those that the arm can take, every solution is found"
+                } else {
+                    ""
+                };
                 format!(
-                    "hold {more} of them, or leave {more} to the caller (`free`), and prescribe a target with {ways} row{}",
+                    "{which}hold {more} of them, or leave {more} to the caller (`free`), and prescribe a target with {ways} row{}{whole}",
                     if *ways == 1 { "" } else { "s" }
                 )
             }

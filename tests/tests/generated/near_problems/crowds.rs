@@ -103,3 +103,27 @@ fn regular_solutions_beside_singular_ones_are_all_found() {
         }
     }
 }
+
+/// With the hand square to axes that are nearly parallel, the general chain was sure of five solutions of six.
+#[test]
+fn an_odd_number_of_solutions_is_a_doubt() {
+    for off in [5e-5, 1e-4, 2e-4] {
+        let text = format!(
+            "[robot]\nname = \"Odd\"\nconvention = \"standard\"\n
+            [[joint]]\nd = 0.15\na = 0.03\nalpha = \"pi/2\"\n[[joint]]\na = 0.2\nalpha = {off:?}\n
+            [[joint]]\na = 0.18\nalpha = {:?}\n[[joint]]\na = 0.02\nalpha = \"pi/2\"\nd = {off:?}\n[[joint]]\nd = 0.1\n
+            [tool]\nxyz = [0.04, 0, 0.06]\nrpy = [0, \"pi/2\", 0]\n
+            [[ik]]\nname = \"problem\"\ntarget = \"position_direction\"\n",
+            -off
+        );
+        let (oracle, output) = (Oracle::read(&text).unwrap(), compiled(&text));
+        assert!(is_near(&output.plan), "{text}");
+        let program = Program::<f64>::new(&output.model, &output.plan).unwrap();
+        let arm = program.interpreter().unwrap();
+        let q = [1.0, 1.0, 1.0, -1.0, -1.0].map(|quarter| quarter * FRAC_PI_2);
+        let target = Target::of_frame(TargetKind::PositionDirection, &frame_of(&oracle.fk(&q)));
+        let mut set = SolutionSet::new();
+        arm.ik_into("problem", &target, &mut set).unwrap();
+        assert!(set.iter().any(|solution| between(solution.q, &q) < 1e-6), "{off:e}: {set:?}");
+    }
+}
