@@ -58,7 +58,7 @@ impl Geometry {
             _ if revolute => format!("{count}R"),
             _ if letters.starts_with("PPP") => format!("gantry ({letters})"),
             _ if letters.starts_with("RPP") => format!("cylindrical ({letters})"),
-            _ if letters.starts_with("RRP") && !self.are_parallel(0, false) => format!("polar ({letters})"),
+            _ if letters.starts_with("RRP") && self.is_polar() => format!("polar ({letters})"),
             _ => letters,
         };
         (head, ", ")
@@ -69,6 +69,11 @@ impl Geometry {
         let own = self.axes.get(axes.clone()).unwrap_or_default();
         let slides = own.iter().filter(|axis| axis.kind == JointKind::Prismatic).count();
         slides == 1 && axes.skip(1).all(|next| self.are_parallel(next - 1, exactly))
+    }
+
+    /// Whether the first two axes point an arm in two ways, and the second turns the slide that follows.
+    fn is_polar(&self) -> bool {
+        !self.are_parallel(0, false) && !self.are_parallel(1, false)
     }
 
     /// Whether an axis and the next one are parallel, exactly or nearly.

@@ -144,4 +144,9 @@ fn arms_with_a_slide_have_the_names_of_the_field() {
     assert!(tilt.starts_with("SCARA-like (RRPRR)"), "{tilt}");
     let polar = class(["\"pi/2\"", "\"pi/2\"", "0", "0"], "");
     assert!(polar.starts_with("polar (RRPR)"), "{polar}");
+    // Turning a slide about its own axis does not point it anywhere.
+    for along in ["0", "1e-4"] {
+        let lift = class(["\"pi/2\"", along, "0", "0"], "");
+        assert!(lift.starts_with("RRPR, "), "{lift}");
+    }
 }
