@@ -13,7 +13,10 @@ const SOMEWHERE: f64 = 0.7;
 /// The full pose, then the problems of the table.
 pub(super) fn written(robot: &Robot) -> String {
     let problems = robot.model().problems.iter().enumerate();
-    let names = [(None, FULL_POSE)].into_iter().chain(problems.map(|(i, p)| (Some(i), p.name.as_str())));
+    // A problem of the table may take its place.
+    let full_pose = robot.model().problems.iter().all(|problem| problem.name != FULL_POSE);
+    let full_pose = full_pose.then_some((None, FULL_POSE));
+    let names = full_pose.into_iter().chain(problems.map(|(i, p)| (Some(i), p.name.as_str())));
     names.map(|(index, name)| problem(robot, index, name)).collect()
 }
 
@@ -191,10 +194,14 @@ fn reason(robot: &Robot, index: Option<usize>) -> String {
     if let Some(unsolved) = unsolved {
         return format!("not solved: {}", unsolved.refusal.text());
     }
-    let joints = robot.model().joints.len();
-    let more = joints.saturating_sub(Target::Pose.rows());
+    let model = robot.model();
+    let (joints, rows) = (model.joints.len(), Target::Pose.rows());
+    let more = joints.saturating_sub(rows);
+    let free = model.joints.iter().take(more).filter_map(|joint| model.rows.get(*joint));
+    let free: Vec<String> = free.map(|row| format!("\"{}\"", clean(&row.name))).collect();
     format!(
-        "not solved: of {joints} joints {more} are too many for a pose; hold them by constraints, or leave them to the caller, in a problem with `target = \"pose\"` and `free = [..]`"
+        "not solved: a pose has {rows} rows, and there are {joints} joints; in an [[ik]] entry with `target = \"pose\"` hold {more} of them by constraints, or leave {more} to the caller, as in `free = [{}]`",
+        free.join(", ")
     )
 }
 
