@@ -29,6 +29,7 @@ fn wrong_usage() {
             "--weights has 2 numbers where 6 are needed",
         ),
         ("ik scara --problem place --position 0.4,0.2,0.3 --yaw 30 --weights 1,1,1,nan", "not negative"),
+        ("ik scara --problem place --position 0.4,0.2,0.3 --yaw 30 --weights -1,1,1,1", "--weights has -1;"),
         ("ik scara --problem place --position 0.4,0.2,0.3 --yaw 30 --norm most", "squares, greatest"),
         ("ik scara --problem place --position 1,2,3", "--yaw is missing"),
         ("ik scara --problem place --stdin --yaw 3", "the targets are read"),
