@@ -6,7 +6,7 @@ use super::{
 };
 use crate::model::{JointKind, Model, Problem, Target};
 use crate::symbolic::inverse_kinematics::rows::{self, Rows};
-use crate::symbolic::inverse_kinematics::{Linear, Refusal};
+use crate::symbolic::inverse_kinematics::{Idle, Linear, Refusal};
 use dh_core::{BranchBit, BranchWord, Frame, RowChain, Target as Asked};
 
 /// The chain of a [`Step::Descents`], as `dh_core::RowChain` takes it.
@@ -245,24 +245,61 @@ fn refuse_singular(
     let suiting = Target::ALL.into_iter().filter(|other| other.rows() == unknowns);
     let suiting = suiting.filter(|other| rank(chain, *other, samples) == unknowns).collect();
     let whole = unknowns < Target::Pose.rows() && rank(chain, Target::Pose, samples) == unknowns;
-    let idle = (0..unknowns).find(|place| {
-        !samples.iter().any(|sample| {
-            let asked = asked(problem.target, &sample.tip, chain.reach);
-            chain.with(|chain| chain.moves(&asked, &sample.given, &sample.x, *place))
-        })
-    });
-    let of = |place: usize| {
-        let form = |form: &Linear| form.terms.iter().any(|(term, _)| *term == place);
-        let mut joints = model.joints.iter().zip(&rows.q).filter(|(_, own)| form(own));
-        let (row, _) = joints.next()?;
-        model.rows.get(*row).map(|row| row.name.clone())
-    };
-    let idle = idle.and_then(of);
+    let idle = idle(model, problem, rows, chain, samples, ways).map(Box::new);
     let moves = |form: &Linear| form.terms.iter().any(|(place, _)| *place < unknowns);
     let joints = model.joints.iter().zip(&rows.q).filter(|(_, form)| moves(form));
     let joints = joints.filter_map(|(row, _)| model.rows.get(*row).map(|row| row.name.clone()));
     let joints = joints.collect();
     Err(Refusal::Singular { joints, idle, unknowns, ways, target: problem.target, suiting, whole })
+}
+
+/// An unknown that at no sample moves what a target prescribes, and what the others could meet: in so many ways they move.
+fn idle(
+    model: &Model,
+    problem: &Problem,
+    rows: &Rows,
+    chain: &FollowingChain,
+    samples: &[Sample],
+    ways: usize,
+) -> Option<Idle> {
+    let moves = |place: usize| {
+        samples.iter().any(|sample| {
+            let asked = asked(problem.target, &sample.tip, chain.reach);
+            chain.with(|chain| chain.moves(&asked, &sample.given, &sample.x, place))
+        })
+    };
+    let (_, unknown) = rows.unknowns.iter().enumerate().find(|(place, _)| !moves(*place))?;
+    let joint = model.joints.iter().position(|own| *own == unknown.row)?;
+    let at_zero = without(model, problem, joint, ways, true).unwrap_or_default();
+    let held = !at_zero.is_empty();
+    let suiting =
+        if held { at_zero } else { without(model, problem, joint, ways, false).unwrap_or_default() };
+    let held = held.then(|| format!("q{} = 0", joint + 1));
+    Some(Idle { joint: model.rows.get(unknown.row)?.name.clone(), held, suiting })
+}
+
+/// Targets with so many rows that the unknowns could meet if this joint were given, or at 0.
+fn without(
+    model: &Model,
+    problem: &Problem,
+    joint: usize,
+    ways: usize,
+    at_zero: bool,
+) -> Option<Vec<Target>> {
+    let mut others = problem.clone();
+    others.free.push(joint);
+    let rows = rows::chain(model, &others).ok()?;
+    if rows.unknowns.len() != ways {
+        return None;
+    }
+    let chain = chain(model, &rows, others.free.len());
+    let mut samples = samples(model, &others, &chain);
+    for sample in samples.iter_mut().filter(|_| at_zero) {
+        *sample.given.last_mut()? = 0.0;
+        sample.tip = chain.with(|chain| chain.tip(&sample.given, &sample.x));
+    }
+    let suiting = Target::ALL.into_iter().filter(|other| other.rows() == ways);
+    Some(suiting.filter(|other| rank(&chain, *other, &samples) == ways).collect())
 }
 
 /// How often starts lead to the solution that fewest lead to, of all that were found at some poses.

@@ -29,7 +29,7 @@ mod writing;
 
 use super::expression::{Arena, Expr};
 use crate::model::{Chain, JointKind, Model, Problem, Target};
-pub use refusal::Refusal;
+pub use refusal::{Idle, Refusal};
 use search::Steps;
 use tracked::Seen;
 

@@ -50,7 +50,7 @@ pub enum Refusal {
         /// The joints that are left to move.
         joints: Vec<String>,
         /// One of them that by itself moves nothing of what is prescribed.
-        idle: Option<String>,
+        idle: Option<Box<Idle>>,
         /// Of them, so many by themselves: constraints and couplings tie the others to these.
         unknowns: usize,
         /// In so many ways they move what is prescribed.
@@ -69,6 +69,17 @@ pub enum Refusal {
         /// From how many places each.
         starts: u32,
     },
+}
+
+/// A joint that moves nothing of what is prescribed: to hold another one would not help.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Idle {
+    /// Its name.
+    pub joint: String,
+    /// The constraint that holds it at 0, if the others could meet a target then.
+    pub held: Option<String>,
+    /// Targets that they could meet without it.
+    pub suiting: Vec<Target>,
 }
 
 impl Refusal {
@@ -145,28 +156,47 @@ impl Refusal {
                 "if the factor was meant to be a fraction with a denominator of up to {MOST_TURNS}, write it as one, as in \"3/8\"; or hold `{leader}` by a constraint, or leave it to the caller (`free`)"
             ),
             Self::Singular { suiting, .. } if !suiting.is_empty() => {
-                let names: Vec<_> = suiting.iter().map(|target| format!("`{}`", target.name())).collect();
-                format!("these joints can meet another target: {}", names.join(", "))
+                format!("these joints can meet another target: {}", names(suiting))
             }
             Self::Singular { idle, unknowns, ways, whole, .. } => {
                 let more = unknowns.saturating_sub(*ways);
-                let which = match idle {
-                    Some(idle) => format!("{idle} by itself moves nothing of it: "),
-                    None => String::new(),
+                let hold = match idle.as_deref() {
+                    Some(Idle { joint, held, suiting }) => {
+                        let (others, them) = match more {
+                            0 | 1 => (String::new(), "it"),
+                            _ => (format!(" and {} more of them", more - 1), "these"),
+                        };
+                        let held = match held {
+                            Some(held) => format!(" (`{held}`)"),
+                            None if suiting.is_empty() => String::new(),
+                            None => " (not at 0)".to_owned(),
+                        };
+                        format!(
+                            "{joint} by itself moves nothing of it: hold it by a constraint{held}{others}, or leave {them} to the caller (`free`)"
+                        )
+                    }
+                    None => format!("hold {more} of them, or leave {more} to the caller (`free`)"),
+                };
+                let plural = if *ways == 1 { "" } else { "s" };
+                let which = match idle.as_deref() {
+                    Some(Idle { suiting, .. }) if !suiting.is_empty() => format!(": {}", names(suiting)),
+                    _ => String::new(),
                 };
                 let whole = if *whole {
                     "; or prescribe the whole `pose`: of those that the arm can take, every solution is found"
                 } else {
                     ""
                 };
-                format!(
-                    "{which}hold {more} of them, or leave {more} to the caller (`free`), and prescribe a target with {ways} row{}{whole}",
-                    if *ways == 1 { "" } else { "s" }
-                )
+                format!("{hold}, and prescribe a target with {ways} row{plural}{which}{whole}")
             }
             Self::NoClosedForm | Self::NotByThisMethod | Self::Fraction | Self::Unknowns { .. } | Self::NotFound { .. } => "hold further joints by constraints, or prescribe a target that the joints left can reach one after the other".to_owned(),
         }
     }
+}
+
+fn names(targets: &[Target]) -> String {
+    let names: Vec<String> = targets.iter().map(|target| format!("`{}`", target.name())).collect();
+    names.join(", ")
 }
 
 fn name(model: &Model, row: usize) -> String {
