@@ -22,6 +22,7 @@ use diagnostic::{Diagnostic, Diagnostics, catalogue};
 use emit::rust::Outline;
 use model::Model;
 use plan::{Plan, Unsolved};
+use symbolic::inverse_kinematics::Refusal;
 use verify::{Level, Report};
 
 /// What is known of a table.
@@ -60,7 +61,7 @@ pub fn compile(text: &str, level: Level) -> Compilation {
             let unsolved: Vec<Unsolved> = unsolved
                 .into_iter()
                 .filter_map(|unsolved| {
-                    if matches!(unsolved.refusal, symbolic::inverse_kinematics::Refusal::Singular { .. }) {
+                    if matches!(unsolved.refusal, Refusal::Singular { .. }) {
                         return Some(unsolved);
                     }
                     match plan::at_once(&model, unsolved.problem) {

@@ -95,8 +95,8 @@ pub(crate) fn nearest<K: Kinematics<S> + ?Sized, S: Float>(
 }
 
 /// A range without its edges: a limit that is approached from outside holds in the end.
-fn inside<S: Float>(range: &Limits<S>) -> Limits<S> {
-    let edge = S::SQRT_EPSILON.min((range.max - range.min) / S::TWO);
+fn inside<S: Float>(range: &Limits<S>, spare: S) -> Limits<S> {
+    let edge = spare.min((range.max - range.min) / S::TWO);
     Limits { min: range.min + edge, max: range.max - edge }
 }
 
@@ -218,8 +218,10 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Descent<'_, K, S> {
             let gained = self.target.gained(&tool, twist, self.per_reach);
             column.iter_mut().zip(gained).for_each(|(entry, gained)| *entry = -gained);
         }
-        // So heavy that what is left of them is some 1e-8 of what is missing.
+        // So heavy that what is left of them is some 1e-8 of what is missing; limits and rules have that to spare.
         let weight = S::ONE / S::SQRT_EPSILON.sqrt();
+        let missing = local.rows.iter().fold(S::ZERO, |sum, row| sum + *row * *row).sqrt();
+        let spare = S::SQRT_EPSILON * (S::ONE + S::TWO * missing);
         for (equation, row) in local.rows.iter_mut().skip(ROWS).take(EQUATIONS).enumerate() {
             let terms = self.terms.iter().filter(|term| term.equation == equation);
             let mut turns = false;
@@ -241,7 +243,7 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Descent<'_, K, S> {
         let sums = self.arm.rules().sums.iter().take(EQUATIONS);
         for (place, sum) in (ROWS + EQUATIONS..).zip(sums) {
             let value = sum.value(joints);
-            let excess = value - inside(&sum.range).clamp(value);
+            let excess = value - inside(&sum.range, spare).clamp(value);
             if excess == S::ZERO {
                 continue;
             }
@@ -255,16 +257,22 @@ impl<K: Kinematics<S> + ?Sized, S: Float> Descent<'_, K, S> {
                 }
             }
         }
-        self.keep_workspace(tool.translation, &twists, weight * self.per_reach, &mut local);
+        self.keep_workspace(tool.translation, &twists, [weight, spare], &mut local);
         local.cost = local.rows.iter().fold(S::ZERO, |sum, row| sum + *row * *row);
         local
     }
 
-    /// What the rules of the workspace make of the tool point (m), as far as they are broken.
-    fn keep_workspace(&self, point: [S; 3], twists: &[[S; 6]; MAX_JOINTS], weight: S, local: &mut Local<S>) {
+    /// What the rules of the workspace make of the tool point (m), as far as they are broken: with a weight, and a distance to
+    /// spare (both in reaches).
+    fn keep_workspace(
+        &self,
+        point: [S; 3],
+        twists: &[[S; 6]; MAX_JOINTS],
+        [weight, spare]: [S; 2],
+        local: &mut Local<S>,
+    ) {
         let rules = self.arm.rules();
-        // Allowed in the end, though rounding is left.
-        let edge = S::SQRT_EPSILON / self.per_reach;
+        let (weight, edge) = (weight * self.per_reach, spare / self.per_reach);
         let bounds = rules.bounds.iter().map(|bound| beyond(bound, edge, point));
         let boxes = rules.keep_out.iter().map(|keep| within(keep, edge, point));
         let broken = bounds.chain(boxes).take(EQUATIONS).enumerate();

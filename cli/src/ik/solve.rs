@@ -6,7 +6,9 @@ use crate::robot::Robot;
 use crate::units::Units;
 use dh_codegen::plan::eval::Interpreter;
 use dh_codegen::plan::{Function, FunctionKind};
-use dh_core::{FULL_POSE, IkError, Kinematics, Norm, Seed, SolutionSet, Target, TargetKind, Travel};
+use dh_core::{
+    FULL_POSE, IkError, Kinematics, Norm, Reachable, Seed, SolutionSet, Target, TargetKind, Travel,
+};
 
 /// A solution.
 #[derive(Debug, Clone, PartialEq)]
@@ -203,9 +205,16 @@ impl<'a> Question<'a> {
         );
         let nearest = || self.arm.nearest_reachable(self.name, target, Some(&self.near));
         match at_fault.then(nearest) {
-            Some(Ok(nearest)) => refusal::with_nearest(refusal, self.units(), &nearest),
+            Some(Ok(nearest)) if self.allows(&nearest) => {
+                refusal::with_nearest(refusal, self.units(), &nearest)
+            }
             _ => refusal,
         }
+    }
+
+    /// Where limits and rules can't all be kept, what is nearest breaks some.
+    fn allows(&self, nearest: &Reachable) -> bool {
+        self.arm.rules().check(nearest.q(), nearest.tool.translation).is_ok()
     }
 
     /// The solutions.

@@ -185,11 +185,8 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
     pub fn next_target(&mut self) -> Option<Target<S>> {
         if self.begun {
             if self.seek.is_none() {
-                // Real solutions come and go in pairs, one on each side of a singularity.
-                let minus =
-                    self.search.solutions.iter().filter(|solution| solution.branch != Branch::PLUS).count();
-                let count = self.search.solutions.len();
-                self.doubtful |= count != 2 * minus || count == MAX_SOLUTIONS;
+                let found = &self.search.solutions;
+                self.doubtful |= !are_pairs(found) || found.len() == MAX_SOLUTIONS;
             }
             return if self.doubtful { self.next_neighbour() } else { None };
         }
@@ -359,6 +356,13 @@ const fn steps(gains: usize) -> u8 {
         count += 1;
     }
     count
+}
+
+/// Real solutions come and go in pairs, one on each side of a singularity.
+#[inline]
+fn are_pairs<const N: usize, S: Float>(found: &Solutions<N, S>) -> bool {
+    let minus = found.iter().filter(|solution| solution.branch != Branch::PLUS).count();
+    found.len() == 2 * minus
 }
 
 /// Whether a number is greater than another; not where one is none.

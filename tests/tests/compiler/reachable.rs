@@ -176,6 +176,21 @@ fn the_workspace_is_kept() {
     }
 }
 
+#[test]
+fn limits_and_workspace_are_kept_however_far_the_target_is() {
+    let text = "[robot]\nname = \"far\"\nconvention = \"standard\"\n[workspace]\nz_max = 0.5\n\
+        [[joint]]\nd = 0.3\nalpha = \"pi/2\"\nlimits = [-1, 1]\n[[joint]]\na = 0.4\nlimits = [-0.3, 1.7]\n\
+        [[joint]]\na = 0.3\nlimits = [0, 2.6]\n[[limit]]\nof = { J2 = 1, J3 = 1 }\nrange = [-0.2, 2]\n\
+        [[ik]]\nname = \"pos\"\ntarget = \"position\"\n";
+    let arm = engine::interpreter(text).unwrap();
+    for target in
+        [[0.1, 0.0, 30.0], [0.3, 0.1, 200.0], [-20.0, 0.0, 20.0], [-200.0, 0.0, 3.0], [9.0, 9.0, 0.6]]
+    {
+        let found = arm.nearest_reachable("pos", &Target::Position(target), None).unwrap();
+        assert!(arm.rules().check(found.q(), found.tool.translation).is_ok(), "{target:?}: {found:?}");
+    }
+}
+
 /// Constraints of the table's problem hold at what is found.
 #[test]
 fn constraints_are_kept() {

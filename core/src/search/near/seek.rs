@@ -5,11 +5,11 @@
 
 use super::asked::Asked;
 use super::curve::{Arm, apart};
-use super::{Exact, Near};
+use super::{Exact, Near, are_pairs};
 use crate::evenly::evenly;
 use crate::polish::Polished;
 use crate::search::Search;
-use crate::{Branch, Float, Frame, IkError, MAX_SOLUTIONS, Solution, Solutions, Target, Wanted, Winding};
+use crate::{Float, Frame, IkError, MAX_SOLUTIONS, Solution, Solutions, Target, Wanted, Winding};
 
 /// What has been found at poses around the target.
 #[derive(Debug, Clone)]
@@ -221,10 +221,8 @@ impl<const N: usize, S: Float> Seek<N, S> {
         }
     }
 
-    /// Real solutions come and go in pairs, one on each side of a singularity.
     fn has_pairs(&self) -> bool {
-        let minus = self.found.iter().filter(|solution| solution.branch != Branch::PLUS).count();
-        minus > 0 && self.found.len() == 2 * minus
+        !self.found.is_empty() && are_pairs(&self.found)
     }
 
     fn is_full(&self) -> bool {
