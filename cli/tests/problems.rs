@@ -36,17 +36,19 @@ fn a_problem_takes_the_place_of_the_pose() {
     assert!(!text.contains("not solved"), "{text}");
 }
 
-/// A polynomial of degree 4, since three axes are parallel.
+/// A polynomial of degree 4: three axes are parallel, and the sixth joint is given.
 #[test]
 fn solutions_are_as_many_wherever_they_are_counted() {
-    let rows = [(-0.451, 0.417, -1.05), (-0.444, -0.256, 0.0), (-0.402, 0.328, 0.0)];
-    let rows = rows.into_iter().chain([(0.31, -0.328, 1.92), (0.113, 0.469, -1.31), (0.458, -0.276, 0.87)]);
-    let rows = rows.map(|(d, a, alpha)| format!("[[joint]]\nd = {d:?}\na = {a:?}\nalpha = {alpha:?}\n"));
+    let rows = [(0.09, 0.0, "pi/2"), (0.0, -0.425, "0"), (0.0, -0.392, "0"), (0.109, 0.0, "pi/2")];
+    let rows = rows.into_iter().chain([(0.0947, 0.0, "-pi/2"), (0.0, 0.0, "0")]);
+    let rows = rows.map(|(d, a, alpha)| format!("[[joint]]\nd = {d:?}\na = {a:?}\nalpha = \"{alpha}\"\n"));
     let rows: Vec<String> = rows.collect();
-    let path = file("three_parallel.toml", &format!("{HEAD}{}", rows.concat()));
+    let tool = "[tool]\nxyz = [0.0, 0.1, 0.05]\nrpy = [0, \"pi/2\", 0]\n";
+    let entry = "[[ik]]\nname = \"aim\"\ntarget = \"position_direction\"\nfree = [\"J6\"]\n";
+    let path = file("aim.toml", &format!("{HEAD}{}{tool}{entry}", rows.concat()));
     for command in ["check", "equations --part ik"] {
         let text = dhc(&format!("{command} {}", path.display())).good();
-        assert!(text.contains("up to 8 solutions"), "{text}");
+        assert!(text.contains("polynomial") && text.contains("up to 8 solutions"), "{text}");
     }
 }
 

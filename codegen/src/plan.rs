@@ -19,6 +19,7 @@ mod schedule;
 mod unknowns;
 mod ways;
 
+use crate::symbolic::inverse_kinematics::OfVector;
 pub use descents::FollowingChain;
 pub use general::GeneralChain;
 pub use inverse::Unsolved;
@@ -343,6 +344,8 @@ pub enum Equation {
         forms: [[Scalar; 3]; 2],
         /// n
         right: Scalar,
+        /// Where the first sum is a coordinate of a vector that keeps its length, less a number.
+        vector: Option<Box<OfVector<Scalar>>>,
     },
 }
 

@@ -94,6 +94,33 @@ fn double_roots_are_found() {
     double_roots::<f32>();
 }
 
+/// A unit vector (s sin x, e, s cos x) with s² + e² = 1, less a number h: beside it 2 (1 - h) sin x. Where 1 - h is n, roots next to 0
+/// are as far apart as e.
+#[test]
+fn roots_that_nearly_meet_keep_the_digits_of_small_coordinates() {
+    for h in [0.0_f64, 0.4, -0.3] {
+        for e in [1e-5, 1e-7, 1e-9, 1e-11] {
+            let (n, s) = (1.0 - h.abs(), libm::sqrt(1.0 - e * e));
+            let turned = h.signum();
+            let forms = [[-h, turned * s, 0.0], [0.0, 0.0, 2.0 * n]];
+            let others = [[0.0, 0.0, s], [e, 0.0, 0.0]];
+            let gaps = if h < 0.0 { [2.0 * (n - 1.0), 0.0] } else { [0.0, 2.0 * (n - 1.0)] };
+            let mut search = Search::<1>::new(REACH, &[]);
+            let mut roots = search.quartic_unit(STEP, forms, n, others, [1.0, gaps[0], gaps[1]]);
+            let mut found = Vec::new();
+            while let Some((x, ..)) = search.next_of_quartic(&mut roots) {
+                found.push(x);
+            }
+            // n² - (s cos x - h)² = n (x² + e²) + ..., and (2 n x)².
+            let off = e / libm::sqrt(4.0 * n - 1.0);
+            for root in [off, -off] {
+                let nearest = found.iter().map(|x| (x - root).abs()).fold(f64::INFINITY, f64::min);
+                assert!(nearest <= 1e-6 * e + e * e + 1e-15, "{h} {e}: {nearest} {found:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn vanishing_coefficients_leave_the_joint_free_or_are_singular() {
     let still = |k: f64| [[k, 0.0, 0.0], [0.4, 1e-18, 0.0]];

@@ -6,7 +6,7 @@ use super::{Equation, Function, FunctionKind, Measure, Scalar, Stage, Step};
 use super::{descents, near};
 use crate::model::{Model, Problem, Target};
 use crate::symbolic::expression::Expr;
-use crate::symbolic::inverse_kinematics::{self, Derivation, Linear, Refusal, StageEquation};
+use crate::symbolic::inverse_kinematics::{self, Derivation, Linear, OfVector, Refusal, StageEquation};
 use crate::symbolic::redundancy;
 use dh_core::FULL_POSE;
 
@@ -235,9 +235,17 @@ fn equation(kind: &StageEquation, scalars: Vec<Scalar>) -> Option<Equation> {
         }
         StageEquation::Linear(_) => Equation::Linear { a: next()?, c: next()? },
         StageEquation::Quadratic(_) => Equation::Quadratic { a: next()?, b: next()?, c: next()? },
-        StageEquation::Quartic(..) => {
+        StageEquation::Quartic(_, _, vector) => {
             let mut form = || Some([next()?, next()?, next()?]);
-            Equation::Quartic { forms: [form()?, form()?], right: next()? }
+            let (forms, right) = ([form()?, form()?], next()?);
+            let vector = match vector {
+                Some(_) => {
+                    let mut form = || Some([next()?, next()?, next()?]);
+                    Some(Box::new(OfVector { others: [form()?, form()?], length: form()? }))
+                }
+                None => None,
+            };
+            Equation::Quartic { forms, right, vector }
         }
     })
 }

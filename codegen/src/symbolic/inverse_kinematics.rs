@@ -23,6 +23,7 @@ mod samples;
 mod search;
 mod tool;
 mod tracked;
+mod unit_vector;
 mod unknowns;
 mod walk;
 mod writing;
@@ -122,7 +123,31 @@ pub enum StageEquation {
     /// a x^2 + b x + c = 0
     Quadratic([Expr; 3]),
     /// (k1 + l1 cos x + m1 sin x)^2 + (k2 + l2 cos x + m2 sin x)^2 = n^2
-    Quartic([[Expr; 3]; 2], Expr),
+    Quartic([[Expr; 3]; 2], Expr, Option<OfVector<Expr>>),
+}
+
+/// The first sum of a quartic, where it is a coordinate of a vector that keeps its length, less a number h.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct OfVector<T> {
+    /// k, l and m of the other two coordinates.
+    pub others: [[T; 3]; 2],
+    /// The length r, n + h - r and n - h - r; one of the last two is 0.
+    pub length: [T; 3],
+}
+
+impl<T> OfVector<T> {
+    /// In the order in which they are written above.
+    pub fn coefficients(&self) -> impl Iterator<Item = &T> {
+        self.others.as_flattened().iter().chain(&self.length)
+    }
+
+    /// The same of something else.
+    pub fn map<U>(&self, mut f: impl FnMut(&T) -> U) -> OfVector<U> {
+        OfVector {
+            others: self.others.each_ref().map(|form| form.each_ref().map(&mut f)),
+            length: self.length.each_ref().map(&mut f),
+        }
+    }
 }
 
 impl StageEquation {
@@ -142,7 +167,10 @@ impl StageEquation {
             Self::TrigUnit(list, others) => list.iter().chain(others).copied().collect(),
             Self::TrigPair(first, second) | Self::TrigEither(first, second) => [*first, *second].concat(),
             Self::Linear(list) => list.to_vec(),
-            Self::Quartic([first, second], right) => [&first[..], second, &[*right]].concat(),
+            Self::Quartic(forms, right, vector) => {
+                let vector = vector.iter().flat_map(OfVector::coefficients);
+                forms.as_flattened().iter().chain([right]).chain(vector).copied().collect()
+            }
         }
     }
 }
@@ -155,13 +183,62 @@ pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
     refusal::by_a_fraction(&problem.constraints)?;
     let unknowns = unknowns::eliminate(model, &problem.constraints, &problem.free)
         .map_err(|trouble| Refusal::of(trouble, model))?;
-    let mut outcome = solve(model, problem, &unknowns, Seen::FromBase);
-    if let (Err(Refusal::NoClosedForm), Target::Pose | Target::Rotation) = (&outcome, problem.target) {
-        let from_tip = solve(model, problem, &unknowns, Seen::FromTool);
-        outcome = from_tip.map(|found| Derivation { begins: Begins::Tip, ..found });
-    }
+    let mut outcome = from_ends(model, problem, &unknowns, Steps::Quadratic);
     if let (Err(Refusal::NoClosedForm), Target::Pose) = (&outcome, problem.target) {
         outcome = around(model, problem, &unknowns);
+    }
+    if let Err(Refusal::NoClosedForm) = &outcome {
+        outcome = from_ends(model, problem, &unknowns, Steps::Quartic);
+    }
+    if let (Err(Refusal::NoClosedForm), Target::Pose) = (&outcome, problem.target) {
+        outcome = behind(model, problem, &unknowns);
+    }
+    outcome
+}
+
+/// The same from behind any joint between the ends.
+fn behind(model: &Model, problem: &Problem, unknowns: &unknowns::Unknowns) -> Result<Derivation, Refusal> {
+    let plain = model.chain();
+    for behind in 1..plain.joints.len() {
+        let mut arena = Arena::default();
+        if let Ok(Some(end)) = whole(&mut arena, model, &plain, unknowns, behind)
+            && end.is_sound()
+        {
+            let found = writing::write(arena, model, problem, unknowns, &end);
+            return Ok(Derivation { begins: Begins::Between, ..found });
+        }
+    }
+    Err(Refusal::NoClosedForm)
+}
+
+fn whole(
+    arena: &mut Arena,
+    model: &Model,
+    plain: &Chain,
+    unknowns: &unknowns::Unknowns,
+    behind: usize,
+) -> Result<Option<search::State>, closure::Trouble> {
+    let Some(mut circuit) = circuit::Circuit::cut(arena, model, plain, unknowns, behind)? else {
+        return Ok(None);
+    };
+    let open = circuit.open();
+    let (atoms, equations) = circuit.pose()?;
+    let samples = samples::draw(model, Target::Pose, unknowns, &atoms);
+    let start = search::State { overdetermined: false, atoms, equations, open, samples, found: Vec::new() };
+    Ok(search::run(circuit.arena(), start, Steps::Quartic)?)
+}
+
+/// The same from either end of the arm, where the target says as much seen from the tool.
+fn from_ends(
+    model: &Model,
+    problem: &Problem,
+    unknowns: &unknowns::Unknowns,
+    steps: Steps,
+) -> Result<Derivation, Refusal> {
+    let outcome = solve(model, problem, unknowns, Seen::FromBase, steps);
+    if let (Err(Refusal::NoClosedForm), Target::Pose | Target::Rotation) = (&outcome, problem.target) {
+        let from_tip = solve(model, problem, unknowns, Seen::FromTool, steps);
+        return from_tip.map(|found| Derivation { begins: Begins::Tip, ..found });
     }
     outcome
 }
@@ -226,6 +303,7 @@ fn solve(
     problem: &Problem,
     unknowns: &unknowns::Unknowns,
     seen: Seen,
+    steps: Steps,
 ) -> Result<Derivation, Refusal> {
     let mut arena = Arena::default();
     let closure =
@@ -246,8 +324,10 @@ fn solve(
         samples,
         found: Vec::new(),
     };
-    match search::run(&arena, start, Steps::Quadratic) {
-        Ok(Some(end)) => Ok(writing::write(arena, model, problem, unknowns, &end)),
+    match search::run(&arena, start, steps) {
+        Ok(Some(end)) if steps == Steps::Quadratic || end.is_sound() => {
+            Ok(writing::write(arena, model, problem, unknowns, &end))
+        }
         _ => Err(Refusal::NoClosedForm),
     }
 }

@@ -32,9 +32,14 @@ fn scalars<'p>(steps: &'p mut [Step], found: &mut Vec<&'p mut Scalar>) {
                         found.extend(first.iter_mut().chain(second));
                     }
                     Equation::Linear { a, c } => found.extend([a, c]),
-                    Equation::Quartic { forms, right } => {
+                    Equation::Quartic { forms, right, vector } => {
                         found.extend(forms.as_flattened_mut());
                         found.push(right);
+                        if let Some(vector) = vector {
+                            found.extend(
+                                vector.others.as_flattened_mut().iter_mut().chain(&mut vector.length),
+                            );
+                        }
                     }
                 }
                 scalars(body, found);

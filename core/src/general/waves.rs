@@ -81,13 +81,6 @@ impl Waves {
         Self::new(coefficients, 2, 0.0)
     }
 
-    /// A root to its last digits, and the derivative there. (Between [`LAST_STEP`] and these, a bracket says nothing.)
-    pub(crate) fn refined(&self, root: f64) -> (f64, f64) {
-        let [f, d, _] = self.at(root);
-        let step = f / d;
-        (if libm::fabs(step) < 2.0 * LAST_STEP { root - step } else { root }, d)
-    }
-
     /// Value and two derivatives.
     pub(super) fn at(&self, x: f64) -> [f64; 3] {
         let (sin, cos) = Float::sin_cos(x);

@@ -7,6 +7,11 @@ use crate::{Float, Frame, Solution, polish, residual_tolerance, rotation_error};
 /// A candidate that misses by more than this (reaches, rad) is a false root.
 const HOPELESS: f64 = 1e-3;
 
+/// See [`HOPELESS`].
+pub(super) fn hopeless<S: Float>() -> S {
+    S::from_f64(HOPELESS).max(residual_tolerance())
+}
+
 /// The most steps that are taken: at a double root, where one takes three quarters of the error away, from 1e-7 to 1e-16.
 const STEPS: usize = 24;
 
@@ -51,7 +56,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         rotation_error: S,
         mut pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
     ) {
-        let hopeless = S::from_f64(HOPELESS).max(residual_tolerance());
+        let hopeless = hopeless::<S>();
         if !(position_error <= hopeless * self.reach && rotation_error <= hopeless) {
             self.accept(q, position_error, rotation_error);
             return;

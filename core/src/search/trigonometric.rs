@@ -1,6 +1,7 @@
 //! Equations in the cosine and sine of one angle.
 
 use super::free::Free;
+use super::pose::hopeless;
 use super::{DOUBLE_ROOT, Roots, Scale, Search, indifferent};
 use crate::{Float, IkError, Step};
 
@@ -23,7 +24,7 @@ const CLEAR: f64 = 1024.0;
 
 /// Two rows that are so many times the square root of the machine epsilon may be what ill-conditioned steps have left of nothing:
 /// 1e-6 in f64.
-const VAGUE: f64 = 64.0;
+pub(super) const VAGUE: f64 = 64.0;
 
 /// Two rows are well-conditioned where the square of their determinant is more than this, in units of the fourth power of
 /// the larger one: no digit but the last two is lost then.
@@ -114,12 +115,15 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
             return told.unwrap_or_else(|| self.degenerate(step, c.abs(), scale));
         }
         let excess = c.abs() - h;
-        if excess > scale.tolerance {
+        if excess > self.spare(scale) {
             return self.unreachable(step, excess, h, scale);
         }
         let (a, b) = (a / h, b / h);
         let rest = (h - c) * (h + c);
         self.doubtful |= rest <= S::from_f64(CLEAR) * S::EPSILON * h * h || h <= scale.tolerance;
+        if h <= scale.tolerance {
+            self.vague_steps |= step.bit();
+        }
         let rounding = S::from_f64(DOUBLE_ROOT) * S::EPSILON * scale.size.max(h);
         if excess >= -rounding {
             let apart = (S::TWO * excess.abs().max(rounding) / h).sqrt();
@@ -198,7 +202,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         // What the two rows say between them that the larger one alone doesn't.
         let rest = h_small * determinant.abs();
         // What small errors of the right-hand sides can make of cosine and sine.
-        if off > scale.tolerance / rest {
+        if off > self.spare(scale) / rest {
             return self.unreachable(step, off * h, h, scale);
         }
         if off > S::from_f64(UNRELIABLE) && rest <= scale.tolerance && rest < S::from_f64(WEAK) * h {
@@ -223,6 +227,12 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         }
         let (sin, cos) = change.sin_cos();
         Roots::angle([sine * cos + cosine * sin, cosine * cos - sine * sin])
+    }
+
+    /// What a step may be out of its domain: where steps before it had next to nothing to go by, much more than a rounding error's
+    /// root. What comes of it is brought to the target, or dropped.
+    fn spare(&self, scale: &Scale<S>) -> S {
+        if self.vague_steps == 0 { scale.tolerance } else { hopeless::<S>() * scale.size }
     }
 
     /// [`Search::unreachable`] for a step whose scale isn't at hand.

@@ -52,6 +52,12 @@ pub(crate) const CLASSES: &[(&str, &str, bool)] = &[
     ("axes 3 to 5 meet, 1 and 2 are parallel", "L0L LTL 0TL 0T0 LTL 00L", true),
     ("axes 3 to 5 meet, 1 and 2 too", "0TL LTL 0TL 0T0 LTL 00L", false),
     ("axes 3 to 5 meet, nothing else special", "LTL LTL 0TL 0T0 LTL 00L", true),
+    ("axes 1 to 3 are parallel, nothing else special", "L0L L0L LTL LTL LTL 00L", false),
+    ("axes 2 to 4 are parallel, nothing else special", "LTL L0L L0L LTL LTL 00L", false),
+    ("axes 2 to 4 are parallel, skew twists", "LTL L0L L0L LTL LTL 00L", true),
+    ("axes 3 to 5 are parallel, nothing else special", "LTL LTL L0L L0L LTL 00L", false),
+    ("axes 4 to 6 are parallel, skew twists", "LTL LTL LTL L0L L0L 00L", true),
+    ("axes 4 to 6 are parallel, 2 and 3 meet", "LTL 0TL LTL L0L L0L 00L", false),
 ];
 
 pub(crate) fn table(rows: &str, skew: bool, random: &mut Random) -> String {

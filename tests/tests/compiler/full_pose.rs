@@ -3,6 +3,9 @@
 //! the arm is not singular.
 
 use super::classes::{CLASSES, Random, modified_rows, table};
+use dh_codegen::compile;
+use dh_codegen::plan::{Function, Step};
+use dh_codegen::verify::Level;
 use dh_core::{FULL_POSE, Frame, Kinematics, SolutionSet, Target, residual_tolerance};
 use dh_tests::engine;
 use dh_tests::oracle::Oracle;
@@ -72,6 +75,51 @@ fn five_joints_are_found_where_one_equation_says_nothing() {
             assert!(nearest < 1e-7, "{name} at {q:?}: {nearest:e}");
         }
         assert!(upright >= 100, "{name}: {upright}");
+    }
+}
+
+/// Beside three parallel axes, the axis in the middle of the others may become parallel to them: its twists are equal. Where it does,
+/// roots of a quartic have met, and joints are free; next to that, they know few digits. A parallel elbow folded there, too.
+#[test]
+fn where_a_fourth_axis_becomes_parallel_there_are_solutions() {
+    let mut random = Random(31);
+    for (rows, middle, elbow) in [
+        ("L0L L0L LTL LTL LTL 00L", 3, 1),
+        ("LTL L0L L0L LTL LTL 00L", 4, 2),
+        ("LTL LTL LTL L0L L0L 00L", 2, 4),
+    ] {
+        for twist in ["90", "-90", "35"] {
+            let text: Vec<String> = table(rows, false, &mut random)
+                .lines()
+                .map(|line| match line.strip_prefix("alpha = ") {
+                    Some("90" | "-90") => format!("alpha = {twist}"),
+                    _ => line.to_owned(),
+                })
+                .collect();
+            let text = text.join("\n");
+            let oracle = Oracle::read(&text).unwrap();
+            let arm = engine::interpreter(&text).unwrap();
+            let output = compile(&text, Level::Quick).output.unwrap();
+            let closed =
+                |function: &Function| function.steps.iter().any(|step| matches!(step, Step::Solve { .. }));
+            assert!(output.plan.functions.iter().any(closed), "{text}");
+            for number in 0..400 {
+                let mut q = [(); 6].map(|()| match number % 2 {
+                    0 => PI * random.symmetric(),
+                    _ => 2.0 * FRAC_PI_4 * (4.0 * random.unit()).floor(),
+                });
+                let beside = |random: &mut Random| match number % 3 {
+                    0 => 0.0,
+                    _ => 10_f64.powf(-1.0 - 11.0 * random.unit()),
+                };
+                q[middle] = if number % 5 < 3 { PI } else { 0.0 } + beside(&mut random);
+                if number % 4 == 3 {
+                    q[elbow] = beside(&mut random);
+                }
+                let found = there_and_back(&*arm, &oracle, &q, ITERATED * oracle.reach().max(1.0));
+                found.unwrap_or_else(|error| panic!("{q:?}: {error}\n{text}"));
+            }
+        }
     }
 }
 

@@ -232,14 +232,22 @@ impl Body<'_> {
             Equation::TrigEither { .. } => "search.trig_either",
             Equation::Linear { .. } => "search.linear",
             Equation::Quadratic { .. } => "search.quadratic",
-            Equation::Quartic { .. } => "search.quartic",
+            Equation::Quartic { vector: None, .. } => "search.quartic",
+            Equation::Quartic { vector: Some(_), .. } => "search.quartic_unit",
         };
         if let Equation::Quartic { .. } = equation {
             let scalars: Vec<_> = scalars.collect();
-            let (forms, right) = scalars.split_at(scalars.len().min(6));
-            let forms = forms.chunks(3).map(|form| Expression::Array(form.to_vec()));
-            arguments.push(Expression::Array(forms.collect()));
+            let (forms, rest) = scalars.split_at(scalars.len().min(6));
+            let (right, unit) = rest.split_at(rest.len().min(1));
+            let (others, length) = unit.split_at(unit.len().min(6));
+            let array = |forms: &[Expression]| {
+                Expression::Array(forms.chunks(3).map(|form| Expression::Array(form.to_vec())).collect())
+            };
+            arguments.push(array(forms));
             arguments.extend(right.iter().cloned());
+            if !unit.is_empty() {
+                arguments.extend([array(others), Expression::Array(length.to_vec())]);
+            }
         } else if let Equation::TrigUnit { .. } | Equation::TrigPair { .. } | Equation::TrigEither { .. } =
             equation
         {

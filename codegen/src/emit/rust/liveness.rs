@@ -96,6 +96,9 @@ pub(super) fn coefficients(equation: &Equation) -> Vec<&Scalar> {
             first.iter().chain(second).collect()
         }
         Equation::Linear { a, c } => vec![a, c],
-        Equation::Quartic { forms, right } => forms.as_flattened().iter().chain([right]).collect(),
+        Equation::Quartic { forms, right, vector } => {
+            let vector = vector.iter().flat_map(|vector| vector.coefficients());
+            forms.as_flattened().iter().chain([right]).chain(vector).collect()
+        }
     }
 }

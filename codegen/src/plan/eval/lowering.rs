@@ -146,12 +146,22 @@ impl<S: Float> Lowering<'_, S> {
             }
             Equation::Linear { a, c } => Kernel::Linear(self.coefficients([a, c], code)?),
             Equation::Quadratic { a, b, c } => Kernel::Quadratic(self.coefficients([a, b, c], code)?),
-            Equation::Quartic { forms: [first, second], right } => {
-                let first = self.coefficients(first.each_ref(), code)?;
-                let second = self.coefficients(second.each_ref(), code)?;
-                Kernel::Quartic([first, second], self.scalar(right, code)?)
+            Equation::Quartic { forms, right, vector } => {
+                let (forms, right) = (self.pair(forms, code)?, self.scalar(right, code)?);
+                let Some(vector) = vector else { return Ok(Kernel::Quartic(forms, right)) };
+                let others = self.pair(&vector.others, code)?;
+                Kernel::QuarticUnit(forms, right, others, self.coefficients(vector.length.each_ref(), code)?)
             }
         })
+    }
+
+    fn pair(
+        &mut self,
+        [first, second]: &[[Scalar; 3]; 2],
+        code: &mut Vec<Instruction>,
+    ) -> Result<[[Register; 3]; 2], PlanError> {
+        let first = self.coefficients(first.each_ref(), code)?;
+        Ok([first, self.coefficients(second.each_ref(), code)?])
     }
 
     fn coefficients<const N: usize>(

@@ -110,6 +110,7 @@ pub(super) enum Kernel {
     Linear([Register; 2]),
     Quadratic([Register; 3]),
     Quartic([[Register; 3]; 2], Register),
+    QuarticUnit([[Register; 3]; 2], Register, [[Register; 3]; 2], [Register; 3]),
 }
 
 /// A checked function in the scalar type `S`.

@@ -124,11 +124,19 @@ pub(super) enum Searching<'w, S> {
 
 impl<S: Float> Searching<'_, S> {
     fn roots(&mut self, step: dh_core::Step, equation: Kernel, registers: &Registers<S>) -> Found<S> {
-        // Nearly special arms do without these two.
+        // Nearly special arms do without these three.
         if let Kernel::Quartic(forms, right) = equation {
             let forms = forms.map(|form| registers.all(form));
             return match self {
                 Self::Exact(search) => Found::Four(search.quartic(step, forms, registers.get(right))),
+                Self::Near(_) | Self::Done(_) => Found::Two(Roots::NONE),
+            };
+        }
+        if let Kernel::QuarticUnit(forms, right, others, length) = equation {
+            let [forms, others] = [forms, others].map(|pair| pair.map(|form| registers.all(form)));
+            let (right, length) = (registers.get(right), registers.all(length));
+            return match self {
+                Self::Exact(search) => Found::Four(search.quartic_unit(step, forms, right, others, length)),
                 Self::Near(_) | Self::Done(_) => Found::Two(Roots::NONE),
             };
         }
@@ -159,7 +167,7 @@ impl<S: Float> Searching<'_, S> {
                         let [a, b, c] = registers.all(coefficients);
                         $search.quadratic(step, a, b, c)
                     }
-                    Kernel::TrigEither(..) | Kernel::Quartic(..) => Roots::NONE,
+                    Kernel::TrigEither(..) | Kernel::Quartic(..) | Kernel::QuarticUnit(..) => Roots::NONE,
                 }
             };
         }

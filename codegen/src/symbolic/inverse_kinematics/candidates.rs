@@ -11,7 +11,7 @@ use crate::symbolic::number::Number;
 /// Rows with more unknown terms than this are not squared.
 const LONGEST_SQUARED: usize = 8;
 /// A value that is smaller at all samples is zero (m, m^2 or a ratio; samples are of the order of 1).
-const ZERO: f64 = 1e-9;
+pub(super) const ZERO: f64 = 1e-9;
 
 /// An equation in one unknown, and where it comes from.
 struct Lone {

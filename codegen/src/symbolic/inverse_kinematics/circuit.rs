@@ -167,6 +167,48 @@ impl<'a, 'w> Circuit<'a, 'w> {
         Ok(Some((walker.atoms.clone(), equations)))
     }
 
+    /// The equations of the frame behind the last joint, seen from both sides.
+    pub(super) fn pose(&mut self) -> Result<(Atoms, Vec<Equation>), Trouble> {
+        let walker = &mut self.walker;
+        let one = Polynomial::number(walker.size(), Number::ONE);
+        let Some(end) = self.stations.last() else { return Ok((walker.atoms.clone(), Vec::new())) };
+        let behind = end.row + 1;
+        let mut equations = Vec::new();
+        let mut group = 0;
+        for (index, letter) in ["x", "y", "z", ""].into_iter().enumerate() {
+            let mut tip = Carried::origin();
+            if let Some(entry) = tip.vector.as_mut().and_then(|vector| vector.get_mut(index)) {
+                *entry = one.clone();
+                tip = Carried { point: false, square: None, ..tip };
+            }
+            let what = if tip.point { "origin".to_owned() } else { format!("{letter} axis") };
+            let mut outer = walker.back(&end.link, tip.clone());
+            outer = walker.back(&self.before, outer);
+            let mut inside = Vec::new();
+            let mut inner = tip;
+            for (place, station) in self.stations.iter().enumerate().rev() {
+                if place + 1 < self.stations.len() {
+                    inner = walker.along(&station.link, inner);
+                }
+                inner = walker.along([&station.joint], inner);
+                inside.push(inner.clone());
+            }
+            for station in &self.stations {
+                let Some(inner) = inside.pop() else { break };
+                let frame = station.row;
+                let of = format!("the {what} behind joint {behind} in frame {frame}");
+                let names = ["x", "y", "z"].map(|axis| format!("{letter}{axis}{frame}"));
+                if let (Some(outer), Some(inner)) = (&outer.vector, &inner.vector) {
+                    rows(outer, inner, &of, names, group, &mut equations)?;
+                }
+                group += 1;
+                outer = walker.back([&station.joint], outer);
+                outer = walker.back(&station.link, outer);
+            }
+        }
+        Ok((walker.atoms.clone(), equations))
+    }
+
     /// The equations of the rotation, once the joints before it are known.
     pub(super) fn rotation(
         &mut self,

@@ -11,14 +11,15 @@ use super::closure::{Equation, Origin};
 use super::polynomial::{Overflow, Polynomial};
 use super::reading::{Open, Reading, short};
 use super::search::{Class, Found, Solved, State};
+use super::unit_vector;
 use crate::symbolic::expression::Arena;
 use crate::symbolic::number::Number;
 
 /// Longer equations are not taken for a pair.
-const LONGEST: usize = 96;
+pub(super) const LONGEST: usize = 96;
 
 /// k + l cos y + m sin y
-type Linear = [Polynomial; 3];
+pub(super) type Linear = [Polynomial; 3];
 
 /// An equation as x sees it: a cos x + b sin x = c.
 struct Row {
@@ -85,6 +86,9 @@ fn quartic(
     }
     let (Some(y), [c1, c2]) = (y, read.as_slice()) else { return Ok(None) };
     let determinant = product(&first.a, &second.b, &second.a, &first.b)?;
+    if determinant.is_zero() {
+        return difference(arena, state, &y, [(first, c1), (second, c2)]);
+    }
     if vanishes(arena, state, &determinant) {
         return Ok(None);
     }
@@ -94,20 +98,68 @@ fn quartic(
         *cos = product(c1, &second.b, c2, &first.b)?;
         *sin = product(c2, &first.a, c1, &second.a)?;
     }
-    for (part, name) in [&mut cos, &mut sin].into_iter().flat_map(|form| form.iter_mut().zip(["k", "l", "m"]))
-    {
-        *part = short(part, &mut state.atoms, name)?;
-    }
     let [_, varying @ ..] = &cos;
     let [_, more @ ..] = &sin;
     if varying.iter().chain(more).all(|polynomial| vanishes(arena, state, polynomial)) {
         return Ok(None);
     }
     let Some(unknown) = angle(&y) else { return Ok(None) };
+    let of_vector = |state: &mut State, row: &Row, c: &Linear, beside: &Row| {
+        let (factor, scale, other) = match (row.a.is_zero(), row.b.is_zero()) {
+            (false, true) => (&row.a, &beside.b, &sin),
+            (true, false) => (&row.b, &beside.a, &cos),
+            _ => return Ok(None),
+        };
+        unit_vector::quartic(arena, state, &y, [c, other], [factor, scale])
+    };
+    let mut equation = of_vector(state, first, c1, second)?;
+    if equation.is_none() {
+        equation = of_vector(state, second, c2, first)?;
+    }
+    let mut equation = equation.unwrap_or(Solved::Quartic([cos, sin], determinant, None));
+    if let Solved::Quartic(forms, _, vector) = &mut equation {
+        let others = vector.iter_mut().flat_map(|vector| &mut vector.others);
+        let named = forms.iter_mut().chain(others).flat_map(|form| form.iter_mut().zip(["k", "l", "m"]));
+        for (part, name) in named {
+            *part = short(part, &mut state.atoms, name)?;
+        }
+    }
+    let origin = eliminated(first, second);
+    Ok(Some(Found { unknown, equation, origin, class }))
+}
+
+/// Two rows that have the same of x, but for a factor: their difference has nothing of it.
+fn difference(
+    arena: &Arena,
+    state: &mut State,
+    y: &[i16],
+    [(first, c1), (second, c2)]: [(&Row, &Linear); 2],
+) -> Result<Option<Found>, Overflow> {
+    let Some(unknown) = angle(y) else { return Ok(None) };
+    let (one, other) = if first.a.is_zero() { (&first.b, &second.b) } else { (&first.a, &second.a) };
+    let mut difference = Linear::default();
+    for (entry, (c1, c2)) in difference.iter_mut().zip(c1.iter().zip(c2)) {
+        *entry = product(c1, other, c2, one)?;
+    }
+    let [k, a, b] = difference;
+    let c = k.scaled(Number::integer(-1))?;
+    let sound = of_table(&state.atoms, one) && of_table(&state.atoms, other);
+    let gone = [one, other].into_iter().any(|factor| vanishes(arena, state, factor));
+    if gone || (vanishes(arena, state, &a) && vanishes(arena, state, &b)) {
+        return Ok(None);
+    }
+    let c = short(&c, &mut state.atoms, "k")?;
+    let class = if sound { Class::Singular } else { Class::Unsound };
+    let origin = eliminated(first, second);
+    Ok(Some(Found { unknown, equation: Solved::Trig([a, b, c]), origin, class }))
+}
+
+/// "row 3 of the z axis in frame 1; row 3 of the position in frame 1; from both, the other angle is eliminated"
+fn eliminated(first: &Row, second: &Row) -> Origin {
     let mut origin = first.origin.with(&second.origin);
     let eliminated = Origin::whole("from both, the other angle is eliminated".to_owned());
     origin.and = Some(Box::new(origin.and.map_or(eliminated.clone(), |and| and.with(&eliminated))));
-    Ok(Some(Found { unknown, equation: Solved::Quartic([cos, sin], determinant), origin, class }))
+    origin
 }
 
 /// a b - c d
@@ -116,7 +168,7 @@ fn product(a: &Polynomial, b: &Polynomial, c: &Polynomial, d: &Polynomial) -> Re
 }
 
 /// A polynomial as one that is linear in the cosine and sine of one angle, the same for all.
-fn linear(
+pub(super) fn linear(
     polynomial: &Polynomial,
     open: &Open,
     angle: &mut Option<Vec<i16>>,

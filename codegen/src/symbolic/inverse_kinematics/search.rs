@@ -5,6 +5,7 @@
 //! at once, since it costs nothing later; steps with two are tried in turn, and the order with the fewest branches
 //! and the shortest coefficients is kept.
 
+use super::OfVector;
 use super::atoms::{Atoms, Source};
 use super::candidates::candidates;
 use super::closure::{Equation, Origin};
@@ -71,7 +72,7 @@ pub(super) enum Solved {
     /// a x^2 + b x + c = 0
     Quadratic([Polynomial; 3]),
     /// (k1 + l1 cos x + m1 sin x)^2 + (k2 + l2 cos x + m2 sin x)^2 = n^2
-    Quartic([[Polynomial; 3]; 2], Polynomial),
+    Quartic([[Polynomial; 3]; 2], Polynomial, Option<Box<OfVector<Polynomial>>>),
 }
 
 impl Solved {
@@ -90,7 +91,10 @@ impl Solved {
             Self::Unit(list, others) => list.iter().chain(others).collect(),
             Self::Pair(first, second) | Self::Either(first, second) => first.iter().chain(second).collect(),
             Self::Linear(list) => list.iter().collect(),
-            Self::Quartic(forms, right) => forms.as_flattened().iter().chain([right]).collect(),
+            Self::Quartic(forms, right, vector) => {
+                let vector = vector.iter().flat_map(|vector| vector.coefficients());
+                forms.as_flattened().iter().chain([right]).chain(vector).collect()
+            }
         }
     }
 
@@ -114,6 +118,13 @@ pub(super) struct State {
     pub open: Open,
     pub samples: Vec<Sample>,
     pub found: Vec<Found>,
+}
+
+impl State {
+    /// Whether every step fails nowhere but where its unknown is free.
+    pub(super) fn is_sound(&self) -> bool {
+        self.found.iter().all(|found| found.class != Class::Unsound)
+    }
 }
 
 impl Found {

@@ -113,10 +113,16 @@ impl Writer<'_> {
                 StageEquation::Linear([b, self.arena.neg(c)])
             }
             Solved::Quadratic(list) => StageEquation::Quadratic(list.each_ref().map(|p| self.expr(p))),
-            Solved::Quartic(forms, right) => {
+            Solved::Quartic(forms, right, None) => {
                 let forms = forms.each_ref().map(|form| self.trig(form));
                 let right = self.expr(right);
-                StageEquation::Quartic(forms, self.arena.split_sign(right).1)
+                StageEquation::Quartic(forms, self.arena.split_sign(right).1, None)
+            }
+            Solved::Quartic(forms, right, Some(vector)) => {
+                let forms = forms.each_ref().map(|form| form.each_ref().map(|p| self.expr(p)));
+                let right = self.expr(right);
+                let vector = vector.map(|p| self.expr(p));
+                StageEquation::Quartic(forms, self.arena.split_sign(right).1, Some(vector))
             }
         }
     }
@@ -159,7 +165,7 @@ impl Writer<'_> {
             StageEquation::Quadratic([a, b, c]) => {
                 format!("{} = 0", text::combination(arena, &[(*a, &square), (*b, unknown), (*c, "")]))
             }
-            StageEquation::Quartic(forms, right) => {
+            StageEquation::Quartic(forms, right, _) => {
                 let [first, second] = forms.each_ref().map(|[k, l, m]| {
                     let form = text::combination(arena, &[(*k, ""), (*l, &cos), (*m, &sin)]);
                     if form.contains(' ') { format!("({form})^2") } else { format!("{form}^2") }

@@ -47,7 +47,7 @@ impl Solution {
             }
             Equation::Linear { a, c } => linear(unknown, &sum(a), &sum(c)),
             Equation::Quadratic { a, b, c } => quadratic(unknown, &sum(a), &sum(b), &sum(c)),
-            Equation::Quartic { forms, right } => {
+            Equation::Quartic { forms, right, .. } => {
                 let forms = forms.each_ref().map(|form| form.each_ref().map(&mut *sum));
                 quartic(unknown, forms, &sum(right))
             }
