@@ -184,48 +184,67 @@ pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
     let unknowns = unknowns::eliminate(model, &problem.constraints, &problem.free)
         .map_err(|trouble| Refusal::of(trouble, model))?;
     let mut outcome = from_ends(model, problem, &unknowns, Steps::Quadratic);
-    if let (Err(Refusal::NoClosedForm), Target::Pose) = (&outcome, problem.target) {
-        outcome = around(model, problem, &unknowns);
+    let whole = problem.target == Target::Pose && unknowns.to_find() == Target::Pose.rows();
+    if let (Err(Refusal::NoClosedForm), true) = (&outcome, whole) {
+        return around(model, problem, &unknowns).or_else(|_| beside_parallels(model, problem, &unknowns));
     }
     if let Err(Refusal::NoClosedForm) = &outcome {
         outcome = from_ends(model, problem, &unknowns, Steps::Quartic);
     }
-    if let (Err(Refusal::NoClosedForm), Target::Pose) = (&outcome, problem.target) {
-        outcome = behind(model, problem, &unknowns);
-    }
     outcome
 }
 
-/// The same from behind any joint between the ends.
-fn behind(model: &Model, problem: &Problem, unknowns: &unknowns::Unknowns) -> Result<Derivation, Refusal> {
+/// The same from behind the joint in the middle of the three that are beside three parallel axes.
+fn beside_parallels(
+    model: &Model,
+    problem: &Problem,
+    unknowns: &unknowns::Unknowns,
+) -> Result<Derivation, Refusal> {
     let plain = model.chain();
-    for behind in 1..plain.joints.len() {
+    let joints = plain.joints.len();
+    let is_parallel = |behind: &usize| {
         let mut arena = Arena::default();
-        if let Ok(Some(end)) = whole(&mut arena, model, &plain, unknowns, behind)
-            && end.is_sound()
-        {
-            let found = writing::write(arena, model, problem, unknowns, &end);
-            return Ok(Derivation { begins: Begins::Between, ..found });
+        let circuit = circuit::Circuit::cut(&mut arena, model, &plain, unknowns, *behind);
+        circuit.ok().flatten().is_some_and(|mut circuit| circuit.is_parallel())
+    };
+    for behind in (1..=joints).rev().filter(is_parallel) {
+        let found = match behind {
+            1 => solve(model, problem, unknowns, Seen::FromTool, Steps::Quartic)
+                .map(|found| Derivation { begins: Begins::Tip, ..found }),
+            _ if behind == joints => solve(model, problem, unknowns, Seen::FromBase, Steps::Quartic),
+            _ => between(model, problem, unknowns, behind),
+        };
+        if found.is_ok() {
+            return found;
         }
     }
     Err(Refusal::NoClosedForm)
 }
 
-fn whole(
-    arena: &mut Arena,
+/// The same from behind a joint, by all equations at once.
+fn between(
     model: &Model,
-    plain: &Chain,
+    problem: &Problem,
     unknowns: &unknowns::Unknowns,
     behind: usize,
-) -> Result<Option<search::State>, closure::Trouble> {
-    let Some(mut circuit) = circuit::Circuit::cut(arena, model, plain, unknowns, behind)? else {
-        return Ok(None);
-    };
-    let open = circuit.open();
-    let (atoms, equations) = circuit.pose()?;
-    let samples = samples::draw(model, Target::Pose, unknowns, &atoms);
-    let start = search::State { overdetermined: false, atoms, equations, open, samples, found: Vec::new() };
-    Ok(search::run(circuit.arena(), start, Steps::Quartic)?)
+) -> Result<Derivation, Refusal> {
+    let (mut arena, plain) = (Arena::default(), model.chain());
+    let end = circuit::Circuit::cut(&mut arena, model, &plain, unknowns, behind).and_then(|circuit| {
+        let Some(mut circuit) = circuit else { return Ok(None) };
+        let open = circuit.open();
+        let (atoms, equations) = circuit.pose()?;
+        let samples = samples::draw(model, Target::Pose, unknowns, &atoms);
+        let start =
+            search::State { overdetermined: false, atoms, equations, open, samples, found: Vec::new() };
+        Ok(search::run(circuit.arena(), start, Steps::Quartic)?)
+    });
+    match end {
+        Ok(Some(end)) if end.is_sound() => {
+            let found = writing::write(arena, model, problem, unknowns, &end);
+            Ok(Derivation { begins: Begins::Between, ..found })
+        }
+        _ => Err(Refusal::NoClosedForm),
+    }
 }
 
 /// The same from either end of the arm, where the target says as much seen from the tool.
@@ -247,9 +266,6 @@ fn from_ends(
 fn around(model: &Model, problem: &Problem, unknowns: &unknowns::Unknowns) -> Result<Derivation, Refusal> {
     let plain = model.chain();
     let joints = plain.joints.len();
-    if unknowns.free.iter().filter(|free| free.given.is_none()).count() != Target::Pose.rows() {
-        return Err(Refusal::NoClosedForm);
-    }
     let meet = |behind: &usize| {
         let mut arena = Arena::default();
         let circuit = circuit::Circuit::cut(&mut arena, model, &plain, unknowns, *behind);
@@ -315,7 +331,7 @@ fn solve(
         )?;
     let samples = samples::draw(model, problem.target, unknowns, &closure.atoms);
     let open = closure::open(&closure.atoms, unknowns);
-    let unknown = unknowns.free.iter().filter(|free| free.given.is_none()).count();
+    let unknown = unknowns.to_find();
     let start = search::State {
         overdetermined: unknown < problem.target.rows(),
         atoms: closure.atoms,

@@ -54,6 +54,8 @@ pub(super) struct Circuit<'a, 'w> {
     /// What of the first joint's link is along its axis, and does as well before it.
     before: Vec<Step<'a>>,
     stations: Vec<Station<'a>>,
+    /// The second of the joints to be found.
+    second: usize,
     /// The first of the joints that make the rotation.
     tail: usize,
 }
@@ -85,8 +87,11 @@ impl<'a, 'w> Circuit<'a, 'w> {
             let parts = form.into_iter().flat_map(|form| form.coefficients.iter().zip(&unknowns.free));
             parts.into_iter().any(|(k, free)| *k != 0.0 && free.given.is_none())
         };
-        let places = stations.iter().enumerate().rev().filter(|(_, station)| open(station));
-        let Some(tail) = places.map(|(place, _)| place).nth(ROTATION - 1) else { return Ok(None) };
+        let places =
+            || stations.iter().enumerate().filter(|(_, station)| open(station)).map(|(place, _)| place);
+        let (Some(second), Some(tail)) = (places().nth(1), places().nth_back(ROTATION - 1)) else {
+            return Ok(None);
+        };
         // A joint does not notice an offset along its axis: before it, the frames have their origins on common normals.
         let mut before = Vec::new();
         for place in 0..tail {
@@ -98,7 +103,7 @@ impl<'a, 'w> Circuit<'a, 'w> {
                 None => before = offsets,
             }
         }
-        Ok(Some(Self { walker, before, stations, tail }))
+        Ok(Some(Self { walker, before, stations, second, tail }))
     }
 
     /// The point in which the last three axes meet, before the first of them; `None` where they don't.
@@ -123,6 +128,19 @@ impl<'a, 'w> Circuit<'a, 'w> {
     /// Whether the last three axes meet.
     pub(super) fn meets(&mut self) -> bool {
         matches!(self.meeting_point(), Ok(Some(_)))
+    }
+
+    /// Whether the axes from the second joint to the first of the last three are parallel.
+    pub(super) fn is_parallel(&mut self) -> bool {
+        let one = Polynomial::number(self.walker.size(), Number::ONE);
+        let mut axis = Carried::direction([Polynomial::zero(), Polynomial::zero(), one]);
+        for station in self.stations.get(self.second..self.tail).unwrap_or_default().iter().rev() {
+            axis = self.walker.along(&station.link, axis);
+            if !matches!(&axis.vector, Some([x, y, _]) if x.is_zero() && y.is_zero()) {
+                return false;
+            }
+        }
+        self.second < self.tail
     }
 
     /// The equations of the point in which the last three axes meet; `None` where they don't.

@@ -92,6 +92,11 @@ impl Unknowns {
         given.fold(form.offset, |sum, (given, k)| sum.add_scaled(given.at_zero, k))
     }
 
+    /// How many there are that the caller doesn't give.
+    pub(super) fn to_find(&self) -> usize {
+        self.free.iter().filter(|free| free.given.is_none()).count()
+    }
+
     /// What the caller gives.
     pub(super) fn given(&self) -> impl Iterator<Item = (Free, Given)> {
         self.free.iter().filter_map(|free| free.given.map(|given| (*free, given)))
