@@ -41,6 +41,8 @@ drawn!(
     "drawn/14.toml" Drawn14,
     "drawn/15.toml" Drawn15,
     "drawn/16.toml" Drawn16,
+    "drawn/17.toml" Drawn17,
+    "drawn/18.toml" Drawn18,
 );
 
 /// Joint values of an arm: half a turn or half a metre at most, the same ones on every run. The first are all 0.
