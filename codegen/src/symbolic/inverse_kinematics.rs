@@ -184,11 +184,17 @@ pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
     let unknowns = unknowns::eliminate(model, &problem.constraints, &problem.free)
         .map_err(|trouble| Refusal::of(trouble, model))?;
     let mut outcome = from_ends(model, problem, &unknowns, Steps::Quadratic);
+    // What an arm is off by makes small coefficients: the form of the arm that was meant has none, and fewer roots.
+    let is_nearly_special = outcome.is_err()
+        && if problem.target.is_any_turn() { model.nominal_to_tool_axis() } else { model.nominal() }
+            .is_some();
     let whole = problem.target == Target::Pose && unknowns.to_find() == Target::Pose.rows();
     if let (Err(Refusal::NoClosedForm), true) = (&outcome, whole) {
-        return around(model, problem, &unknowns).or_else(|_| beside_parallels(model, problem, &unknowns));
-    }
-    if let Err(Refusal::NoClosedForm) = &outcome {
+        outcome = around(model, problem, &unknowns);
+        if outcome.is_err() && !is_nearly_special {
+            outcome = beside_parallels(model, problem, &unknowns);
+        }
+    } else if let (Err(Refusal::NoClosedForm), false) = (&outcome, is_nearly_special) {
         outcome = from_ends(model, problem, &unknowns, Steps::Quartic);
     }
     outcome

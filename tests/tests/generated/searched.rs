@@ -209,7 +209,9 @@ fn a_longer_search_finds_nothing_more() {
                 }
             }
         }
-        assert!(searched, "{class:?} is solved otherwise\n{text}");
+        // Two joints that bring a point over another one have a quartic: nothing to search longer for.
+        let closed = matches!(class, (2, None, None, TargetKind::Xy, _));
+        assert_eq!(searched, !closed, "{class:?} is solved otherwise\n{text}");
         let programs = [&output.plan, &long].map(|plan| Program::new(&output.model, plan).unwrap());
         let [arm, patient] = programs.each_ref().map(|program| program.interpreter().unwrap());
         let oracle = Oracle::read(&text).unwrap();
