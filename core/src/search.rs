@@ -84,6 +84,8 @@ pub struct Search<'a, const N: usize, S = f64> {
     given: u32,
     /// What the unknowns are at joint values to be near to, with these; free ones are tried there first.
     wanted: Option<(&'a [S], Seed<'a, S>)>,
+    /// Which solutions, from one to before another, are known to be on curves of solutions, of which one point is to be marked.
+    on_curves: (usize, usize),
     /// Whether solutions may be set to other values of a joint that is free: not where conditions were asked about them.
     movable: Movable,
 }
@@ -134,6 +136,7 @@ impl<'a, const N: usize, S: Float> Search<'a, N, S> {
             polished: false,
             given: 0,
             wanted: None,
+            on_curves: (0, 0),
             movable: Movable::Yes,
         }
     }

@@ -164,6 +164,15 @@ impl<const N: usize, S: Float> Solutions<N, S> {
         self.retain(meets);
     }
 
+    /// Leaves only solutions that are not at these places, from one to before another.
+    pub(crate) fn drop_places(&mut self, from: usize, to: usize) {
+        let mut place = 0;
+        self.retain(|_| {
+            place += 1;
+            !(from < place && place <= to)
+        });
+    }
+
     fn retain(&mut self, mut keeps: impl FnMut(&Solution<N, S>) -> bool) {
         let all = self.items;
         let len = core::mem::take(&mut self.len);

@@ -12,6 +12,9 @@ const REFINED: u32 = 60;
 /// The ratio by which a golden section divides: (sqrt(5) - 1) / 2.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
+/// Where what is missing changes by less than this part of it over the inner quarter of an interval, it does not vanish in it.
+const FLAT: f64 = 1.0 / 64.0;
+
 /// The state of a step whose coefficients vanish, or nearly do: values are tried until one of them leads to a solution.
 ///
 /// What may be wrong with a value is that a later step leaves its domain, and by how much is a smooth function of the
@@ -145,7 +148,7 @@ impl<S: Float> Free<S> {
         if self.tried <= even {
             return Some(self.at_even_distance(self.tried - 1, half_range));
         }
-        if self.tried > even + REFINED {
+        if self.tried > even + REFINED || (self.tried == even + 3 && self.is_flat()) {
             return None;
         }
         if self.any && self.tried == even + 1 {
@@ -165,6 +168,16 @@ impl<S: Float> Free<S> {
         if self.best.is_none_or(|(_, best)| failure.is_nearer(&best)) {
             self.best = Some((self.value, failure));
         }
+    }
+
+    /// Whether the best failure and those at the first inner points, to both sides of it, are so much alike that none would be
+    /// better in the whole interval. Where several steps are nearly free, each would go on for as long for every value of those before
+    /// it.
+    fn is_flat(&self) -> bool {
+        let ([Some(left), Some(right)], Some((_, best))) = (self.inner, self.best) else { return false };
+        [left, right].iter().all(|failure| {
+            failure.depth == best.depth && failure.miss - best.miss <= S::from_f64(FLAT) * best.miss
+        })
     }
 
     /// The inner points of the golden section.

@@ -218,6 +218,9 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         let mut rows = (0..u32::BITS).filter(|row| step.rows & (1 << row) != 0);
         let row = candidate.free.and_then(|place| rows.nth(place));
         if let Some(row) = row {
+            // Other points of curves that are known.
+            let (from, to) = core::mem::take(&mut self.on_curves);
+            self.solutions.drop_places(from, to);
             self.free_steps |= step.bit();
             if let Some(slot) = self.free_rows.get_mut(usize::from(step.index)) {
                 *slot = row as u8;

@@ -255,6 +255,31 @@ fn a_curve_of_solutions_is_listed_once() {
     }
 }
 
+/// An arm that is nearly special: axis 1 is parallel to three others where joint 2 is at 0, and points of the curve filled the list,
+/// unmarked, with no room for what else there is.
+#[test]
+fn a_curve_of_a_nearly_special_arm_is_listed_once() {
+    let rows = [
+        "a = 0.003\nalpha = 90",
+        "a = 0.28\nd = 0.22\nalpha = 90",
+        "a = 0.29\nd = 0.26\nalpha = 180",
+        "a = 0.22\nd = 0.2",
+        "a = 0.09\nalpha = 90",
+        "a = 0.2\nd = 0.06\nalpha = -90",
+    ];
+    let text = arm(&rows, &["pose"]);
+    let (arm, oracle) = (engine::interpreter(&text).unwrap(), Oracle::read(&text).unwrap());
+    let mut random = Random(23);
+    for _ in 0..40 {
+        let mut q = [(); 6].map(|()| 2.0 * PI * (random.unit() - 0.5));
+        q[1] = 0.0;
+        let mut set = SolutionSet::new();
+        arm.ik_into("to_pose", &target_of("pose", &oracle.fk(&q)), &mut set).unwrap();
+        let marked = set.iter().filter(|solution| solution.free.is_some()).count();
+        assert!((1..=2).contains(&marked) && set.len() <= 8, "{q:?}: {set:?}");
+    }
+}
+
 /// Three joints solve a position as six whose last three stand for the orientation: where these were in one plane, points of a
 /// curve were listed unmarked, and regular solutions lost.
 #[test]

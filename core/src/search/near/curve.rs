@@ -182,9 +182,10 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
         Polished { q: at(&changes), position_error, rotation_error }
     }
 
-    /// How little (reaches, rad) the tool moves at joint values with a joint that goes by 1.
-    pub(super) fn stiffness(&mut self, q: [S; N]) -> S {
-        self.place(q, self.asked.last(), None).map_or(S::ZERO, |place| place.slope.abs())
+    /// How little (reaches, rad) the tool moves at joint values with a joint that goes by 1; `None` where it hardly moves with
+    /// another one either.
+    pub(super) fn stiffness(&mut self, q: [S; N]) -> Option<S> {
+        self.place(q, self.asked.last(), None).map(|place| place.slope.abs())
     }
 
     /// How much is missing (reaches, rad) at a place of the curve beside joint values.

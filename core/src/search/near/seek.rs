@@ -25,6 +25,10 @@ pub(super) struct Seek<const N: usize, S> {
     complete: bool,
     /// Whether one is so nearly singular that others may be beside it.
     pub(super) crowded: bool,
+    /// Whether what was found before there were neighbours has been looked at.
+    sifted: bool,
+    /// What was found on curves of solutions.
+    on_curves: Solutions<N, S>,
     /// Solutions from which curves were followed, or to which.
     walked: [[S; N]; PLACES],
     places: usize,
@@ -64,6 +68,9 @@ const NEARLY_SINGULAR: f64 = 0.03;
 
 /// Where it moves as little as this, they may be so near that some are missing.
 const CROWDED: f64 = 5e-4;
+
+/// Where it doesn't move but for rounding, solutions go on. Two that have met are known to 1e-8, and so is how little it moves there.
+const STILL: f64 = 1e-9;
 
 impl<const N: usize, S: Float> Near<'_, N, S> {
     /// The next target to be asked for: first the one that is wanted, then others about it in opposite pairs.
@@ -118,6 +125,8 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
             },
             complete: false,
             crowded: false,
+            sifted: false,
+            on_curves: Solutions::EMPTY,
             walked: [[S::ZERO; N]; PLACES],
             places: 0,
         };
@@ -163,14 +172,13 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         let asked = Asked { target: &target, unknowns, follow, across, reach };
         let deviation = S::from_f64(self.deviation);
         let mut arm = Arm { asked, labels: &self.labels, deviation, pose_and_jacobian };
+        let before = if seek.sifted { seek.found.len() } else { 0 };
+        seek.sifted = true;
         let from = match arm.bring(q) {
             Some(found) => {
-                let before = seek.found.len();
                 arm.add(found, &mut seek.found);
-                if seek.found.len() > before {
-                    seek.idle = 0;
-                }
-                let stiffness = arm.stiffness(found.q);
+                seek.sift(before, |q| arm.stiffness(q));
+                let stiffness = arm.stiffness(found.q).unwrap_or(S::ZERO);
                 seek.crowded |= stiffness < S::from_f64(CROWDED);
                 if seek.was_at(&found.q) || stiffness > S::from_f64(NEARLY_SINGULAR) {
                     return;
@@ -182,11 +190,8 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         };
         // There may be others on the curve along which the tool hardly moves.
         seek.note(from);
-        let before = seek.found.len();
         arm.follow(from, S::INFINITY, &mut seek.found);
-        if seek.found.len() > before {
-            seek.idle = 0;
-        }
+        seek.sift(before, |q| arm.stiffness(q));
     }
 
     /// What was found, where nothing speaks against its being all.
@@ -206,6 +211,9 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         let mut search = Search::about(self.search.reach, self.search.windings, wanted);
         if let Some(seek) = &self.seek {
             search.solutions = seek.thinned();
+            let before = search.solutions.len();
+            seek.on_curves.iter().for_each(|solution| search.solutions.push(*solution, search.windings));
+            search.on_curves = (before, search.solutions.len());
         }
         search
     }
@@ -216,6 +224,23 @@ impl<const N: usize, S: Float> Seek<N, S> {
     pub(super) fn add(&mut self, solution: Solution<N, S>, windings: &[Winding<'_, S>]) {
         let before = self.found.len();
         self.found.push(solution, windings);
+        if self.found.len() > before {
+            self.idle = 0;
+        }
+    }
+
+    /// Puts what is on a curve of solutions aside: the chain has one point of it and marks that. Only what has come since there were
+    /// `before` is looked at.
+    fn sift(&mut self, before: usize, mut stiffness: impl FnMut([S; N]) -> Option<S>) {
+        for (place, solution) in self.found.take().into_iter().enumerate() {
+            let is_still = |stiffness| stiffness < S::from_f64(STILL);
+            if place >= before && stiffness(solution.q).is_some_and(is_still) {
+                self.crowded = true;
+                self.on_curves.append(solution);
+            } else {
+                self.found.append(solution);
+            }
+        }
         if self.found.len() > before {
             self.idle = 0;
         }
