@@ -183,6 +183,27 @@ fn where_no_value_of_a_free_joint_helps_the_best_one_says_why() {
     assert!((excess - 0.5).abs() < 1e-9, "{excess}");
 }
 
+/// Both steps have next to nothing to go by, and the target is missed by as much whatever they are: as many values of one are not
+/// tried for every one of the other.
+#[test]
+fn where_nothing_changes_what_is_missing_few_values_are_tried() {
+    for miss in [1e-3, 1e-5] {
+        let mut search = Search::<2>::new(1.0, &TURN);
+        let (cos, sin) = (1e-9 * 0.8, 1e-9 * 0.6);
+        let mut tried = 0;
+        let mut first = search.trig_pair(step(0), [1e-9, 0.0, cos], [0.0, 1e-9, sin]);
+        while let Some(theta1) = search.next(&mut first) {
+            let mut second = search.trig_pair(step(1), [1e-9, 0.0, cos], [0.0, 1e-9, -sin]);
+            while let Some(theta2) = search.next(&mut second) {
+                tried += 1;
+                search.accept([theta1, theta2], miss * (1.0 + 1e-3 * theta1.sin()), 0.0);
+            }
+        }
+        assert_eq!(tried, 9, "{miss:e}");
+        assert!(matches!(search.finish(), Err(IkError::Failed { .. })));
+    }
+}
+
 /// Of three in a row, each next to the one before, the one between is the same as either.
 #[test]
 fn what_is_between_two_solutions_replaces_both() {
