@@ -183,8 +183,8 @@ fn where_no_value_of_a_free_joint_helps_the_best_one_says_why() {
     assert!((excess - 0.5).abs() < 1e-9, "{excess}");
 }
 
-/// Both steps have next to nothing to go by, and the target is missed by as much whatever they are: as many values of one are not
-/// tried for every one of the other.
+/// Both steps have next to nothing to go by, and the target is missed by as much whatever they are: sixty values of one
+/// are not tried for every one of the other.
 #[test]
 fn where_nothing_changes_what_is_missing_few_values_are_tried() {
     for miss in [1e-3, 1e-5] {
@@ -199,8 +199,26 @@ fn where_nothing_changes_what_is_missing_few_values_are_tried() {
                 search.accept([theta1, theta2], miss * (1.0 + 1e-3 * theta1.sin()), 0.0);
             }
         }
-        assert_eq!(tried, 9, "{miss:e}");
+        assert_eq!(tried, 16, "{miss:e}");
         assert!(matches!(search.finish(), Err(IkError::Failed { .. })));
+    }
+}
+
+/// A nearly free step whose first value is in the middle between two solutions: what is missing is the same on both sides of
+/// it, and at some distances of the two as large as in the middle.
+#[test]
+fn solutions_at_both_sides_of_what_is_nearly_free_are_found() {
+    for ratio in [0.5, 0.6, 0.65, 0.7, 0.5_f64.sqrt(), 0.71, 0.75, 0.8, 0.9, 1.0, 1.2, 1.5, 2.0, 3.0, 4.0] {
+        let mut search = Search::<2>::new(1.0, &TURN);
+        let mut values = Vec::new();
+        let mut first = search.trig_pair(step(0), [1e-9, 0.0, 0.8e-9], [0.0, 1e-9, 0.6e-9]);
+        while let Some(theta1) = search.next(&mut first) {
+            values.push(theta1);
+            let away = |theta: f64| theta - values[0];
+            let width = values.get(1).map_or(f64::INFINITY, |&second| ratio * away(second));
+            search.accept([theta1, 0.0], 1e-3 * (1.0 - (away(theta1) / width).powi(2)).abs(), 0.0);
+        }
+        assert!(search.finish().is_ok(), "{ratio}: {values:?}");
     }
 }
 

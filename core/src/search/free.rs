@@ -12,7 +12,11 @@ const REFINED: u32 = 60;
 /// The ratio by which a golden section divides: (sqrt(5) - 1) / 2.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// Where what is missing changes by less than this part of it over the inner quarter of an interval, it does not vanish in it.
+/// Values of an interval that tell whether what is missing changes in it: the middle, both inner points of the golden section,
+/// and the next one, farther out, since a miss that vanishes on both sides of the middle may be as large at the inner points.
+const TELLING: u32 = 4;
+
+/// Where what is missing is the same up to this part of it at those values, it vanishes nowhere in the interval.
 const FLAT: f64 = 1.0 / 64.0;
 
 /// The state of a step whose coefficients vanish, or nearly do: values are tried until one of them leads to a solution.
@@ -42,6 +46,8 @@ pub(super) struct Free<S> {
     /// The interval of the golden section, and what is known of its inner points.
     interval: [S; 2],
     inner: [Option<Failure<S>>; 2],
+    /// The failure in the middle of the interval, as long as the others in it are the same.
+    flat: Option<Failure<S>>,
 }
 
 impl<const N: usize, S: Float> Search<'_, N, S> {
@@ -111,6 +117,7 @@ impl<S: Float> Free<S> {
             best: None,
             interval: [S::ZERO; 2],
             inner: [None; 2],
+            flat: None,
         }
     }
 
@@ -148,7 +155,7 @@ impl<S: Float> Free<S> {
         if self.tried <= even {
             return Some(self.at_even_distance(self.tried - 1, half_range));
         }
-        if self.tried > even + REFINED || (self.tried == even + 3 && self.is_flat()) {
+        if self.tried > even + REFINED || (self.tried == even + TELLING && self.flat.is_some()) {
             return None;
         }
         if self.any && self.tried == even + 1 {
@@ -164,20 +171,14 @@ impl<S: Float> Free<S> {
         if self.tried > self.even + 1 {
             let [left, right] = &mut self.inner;
             *(if left.is_none() { left } else { right }) = Some(failure);
+            self.flat = self.flat.filter(|middle| failure.is_alike(middle));
         }
         if self.best.is_none_or(|(_, best)| failure.is_nearer(&best)) {
             self.best = Some((self.value, failure));
         }
-    }
-
-    /// Whether the best failure and those at the first inner points, to both sides of it, are so much alike that none would be
-    /// better in the whole interval. Where several steps are nearly free, each would go on for as long for every value of those before
-    /// it.
-    fn is_flat(&self) -> bool {
-        let ([Some(left), Some(right)], Some((_, best))) = (self.inner, self.best) else { return false };
-        [left, right].iter().all(|failure| {
-            failure.depth == best.depth && failure.miss - best.miss <= S::from_f64(FLAT) * best.miss
-        })
+        if self.tried == self.even + 1 {
+            self.flat = self.best.map(|(_, middle)| middle);
+        }
     }
 
     /// The inner points of the golden section.
@@ -209,5 +210,9 @@ impl<S: Float> Failure<S> {
     fn is_nearer(&self, other: &Self) -> bool {
         let rank = |failure: &Self| failure.depth.wrapping_sub(DEPTH_OF_MISSED + 1);
         rank(self) > rank(other) || (rank(self) == rank(other) && self.miss < other.miss)
+    }
+    /// Whether it is of the same step, and next to as large.
+    fn is_alike(&self, other: &Self) -> bool {
+        self.depth == other.depth && (self.miss - other.miss).abs() <= S::from_f64(FLAT) * other.miss
     }
 }
