@@ -70,6 +70,9 @@ impl Number {
 
     /// Sum; `None` where the integers overflow.
     pub fn checked_add(self, other: Self) -> Option<Self> {
+        if let (Some(a), Some(b)) = (self.whole(), other.whole()) {
+            return a.checked_add(b).filter(|sum| *sum != i64::MIN).map(Self::integer);
+        }
         let (d1, d2) = (i128::from(self.denominator), i128::from(other.denominator));
         let (f1, f2, denominator) = if d1 == d2 { (1, 1, d1) } else { (d2, d1, d1 * d2) };
         let mut parts = [0; 4];
@@ -81,6 +84,9 @@ impl Number {
 
     /// Product; `None` where the integers overflow.
     pub fn checked_mul(self, other: Self) -> Option<Self> {
+        if let (Some(a), Some(b)) = (self.whole(), other.whole()) {
+            return a.checked_mul(b).filter(|product| *product != i64::MIN).map(Self::integer);
+        }
         let [a0, a1, a2, a3] = self.parts.map(i128::from);
         let [b0, b1, b2, b3] = other.parts.map(i128::from);
         let denominator = i128::from(self.denominator) * i128::from(other.denominator);
@@ -110,6 +116,14 @@ impl Number {
             sum([a0.checked_mul(b3)?, a3.checked_mul(b0)?, a1.checked_mul(b2)?, a2.checked_mul(b1)?])?,
         ];
         Self::reduced(parts, denominator)
+    }
+
+    /// The whole number that it is, if it is one: most are.
+    fn whole(self) -> Option<i64> {
+        match self {
+            Self { parts: [value, 0, 0, 0], denominator: 1 } => Some(value),
+            _ => None,
+        }
     }
 
     /// Whether no root is in it.

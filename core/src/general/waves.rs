@@ -104,10 +104,10 @@ impl Waves {
         let zero = of(0.0);
         let [mut p, mut d, mut e] = [[zero; 2]; 3];
         let step = |[a, b]: [T; 2], [c, d]: [T; 2]| [a * cos - b * sin + c, a * sin + b * cos + d];
-        for coefficient in self.coefficients.iter().take(self.degree + 1).rev() {
+        for [a, b] in self.coefficients.iter().take(self.degree + 1).rev() {
             e = step(e, d);
             d = step(d, p);
-            p = step(p, coefficient.map(&of));
+            p = step(p, [of(*a), of(*b)]);
         }
         // With z = exp(ix): f' = Re(i z p'), f'' = -Re(z p' + 2 z^2 p''/2).
         let zd = [d[0] * cos - d[1] * sin, d[0] * sin + d[1] * cos];

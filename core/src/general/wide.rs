@@ -32,12 +32,6 @@ impl Wide {
     }
 
     #[inline]
-    fn with(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        let ([a, b, c, d], [e, g, h, i]) = (self.0, other.0);
-        Self([f(a, e), f(b, g), f(c, h), f(d, i)])
-    }
-
-    #[inline]
     pub(super) fn abs(self) -> Self {
         self.map(f64::abs)
     }
@@ -71,47 +65,35 @@ impl Wide {
     /// As large as this, with the sign of the other.
     #[inline]
     pub(super) fn copysign(self, sign: Self) -> Self {
-        self.with(sign, f64::copysign)
+        let ([a, b, c, d], [e, g, h, i]) = (self.0, sign.0);
+        Self([a.copysign(e), b.copysign(g), c.copysign(h), d.copysign(i)])
     }
 }
 
-impl Add for Wide {
-    type Output = Self;
-    #[inline]
-    fn add(self, other: Self) -> Self {
-        self.with(other, |a, b| a + b)
-    }
+/// An operator on each of the numbers; written out, since unoptimised builds, in which macros run, call every closure.
+macro_rules! on_each {
+    ($operator:ident, $method:ident, $of:tt) => {
+        impl $operator for Wide {
+            type Output = Self;
+            #[inline]
+            fn $method(self, other: Self) -> Self {
+                let ([a, b, c, d], [e, g, h, i]) = (self.0, other.0);
+                Self([a $of e, b $of g, c $of h, d $of i])
+            }
+        }
+    };
 }
 
-impl Sub for Wide {
-    type Output = Self;
-    #[inline]
-    fn sub(self, other: Self) -> Self {
-        self.with(other, |a, b| a - b)
-    }
-}
-
-impl Mul for Wide {
-    type Output = Self;
-    #[inline]
-    fn mul(self, other: Self) -> Self {
-        self.with(other, |a, b| a * b)
-    }
-}
+on_each!(Add, add, +);
+on_each!(Sub, sub, -);
+on_each!(Mul, mul, *);
+on_each!(Div, div, /);
 
 impl Mul<f64> for Wide {
     type Output = Self;
     #[inline]
     fn mul(self, other: f64) -> Self {
         self * Self::all(other)
-    }
-}
-
-impl Div for Wide {
-    type Output = Self;
-    #[inline]
-    fn div(self, other: Self) -> Self {
-        self.with(other, |a, b| a / b)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::atoms::{AngleData, Atoms, Source};
 use super::closure::{Equation, Origin};
 use super::polynomial::{Atom, Overflow, Polynomial};
-use super::reading::{Open, Reading, Simple};
+use super::reading::{Reading, Simple};
 use super::search::{Class, Found, Solved, State, Unknown};
 use crate::symbolic::expression::Arena;
 use crate::symbolic::number::Number;
@@ -18,16 +18,32 @@ struct Lone {
     simple: Simple,
     group: usize,
     origin: Origin,
+    /// a and b of an angle's equation at the samples: that something is zero or a number is tried with them, before
+    /// polynomials are multiplied.
+    values: Vec<[f64; 2]>,
 }
 
 /// All steps that can be taken next.
 pub(super) fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>, Overflow> {
+    let read = |equation: &Equation| Reading::new(&equation.polynomial, &state.open);
+    let mut readings = state.equations.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let known: Vec<Polynomial> =
+        state.equations.iter().map(|equation| state.open.known(&equation.polynomial)).collect();
+    let squares = squares(state, &known)?;
+    for equation in &squares {
+        readings.push(read(equation)?);
+    }
     let mut lone: Vec<Lone> = Vec::new();
-    let squares = squares(state)?;
-    for equation in state.equations.iter().chain(&squares) {
-        if let Some(simple) = Reading::new(&equation.polynomial, &state.open)?.simple()? {
-            lone.push(Lone { simple, group: equation.group, origin: equation.origin.clone() });
-        }
+    let State { equations, samples, atoms, .. } = state;
+    for (equation, reading) in equations.iter().chain(&squares).zip(readings) {
+        let Some(simple) = reading.simple()? else { continue };
+        let values = match &simple {
+            Simple::Trig { a, b, .. } => {
+                samples.iter_mut().map(|sample| [a, b].map(|form| sample.value(arena, atoms, form))).collect()
+            }
+            Simple::Slide { .. } => Vec::new(),
+        };
+        lone.push(Lone { simple, group: equation.group, origin: equation.origin.clone(), values });
     }
     let mut found = Vec::new();
     for (index, first) in lone.iter().enumerate() {
@@ -48,11 +64,11 @@ pub(super) fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>,
             }
             Simple::Trig { frequency, a, b, c } => {
                 let Some(unknown) = angle(frequency) else { continue };
-                if vanishes(arena, state, a) && vanishes(arena, state, b) {
+                if (0..2).all(|at| first.values.iter().any(|values| values[at].abs() < ZERO)) {
                     continue;
                 }
                 let list = [a.clone(), b.clone(), c.clone()];
-                let equation = match unit(arena, state, first.group, &list)? {
+                let equation = match unit(arena, state, &known, first, &list)? {
                     Some(others) => Solved::Unit(list, others),
                     None => Solved::Trig(list),
                 };
@@ -65,7 +81,7 @@ pub(super) fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>,
                 });
                 let later = lone.iter().skip(index + 1);
                 for second in later.filter(|second| second.group == first.group) {
-                    found.extend(pair(arena, state, &unknown, first, second)?);
+                    found.extend(pair(&state.atoms, &unknown, first, second)?);
                 }
             }
         }
@@ -86,7 +102,7 @@ pub(super) fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>,
             continue;
         }
         for second in lone.iter().skip(index + 1).filter(|second| second.group != first.group) {
-            found.extend(pair(arena, state, &unknown, first, second)?);
+            found.extend(pair(&state.atoms, &unknown, first, second)?);
         }
     }
     Ok(found)
@@ -183,51 +199,53 @@ fn of_one_angle<'l>(first: &'l Lone, second: &'l Lone) -> Option<[[&'l Polynomia
 }
 
 /// Two equations in the sine and cosine of one angle, if they are independent at all samples.
-fn pair(
-    arena: &Arena,
-    state: &mut State,
-    unknown: &Unknown,
-    first: &Lone,
-    second: &Lone,
-) -> Result<Option<Found>, Overflow> {
+fn pair(atoms: &Atoms, unknown: &Unknown, first: &Lone, second: &Lone) -> Result<Option<Found>, Overflow> {
     let Some([[a, b, c], [a2, b2, c2]]) = of_one_angle(first, second) else { return Ok(None) };
-    let determinant = a.mul(b2)?.sub(&b.mul(a2)?)?;
-    if vanishes(arena, state, &determinant) {
+    let values = first.values.iter().zip(&second.values);
+    let determinants: Vec<f64> = values.map(|([a, b], [a2, b2])| a * b2 - b * a2).collect();
+    if determinants.iter().any(|determinant| determinant.abs() < ZERO) {
         return Ok(None);
     }
+    let is_number = |first: &f64| {
+        determinants.iter().all(|determinant| (determinant - first).abs() < ZERO * first.abs().max(1.0))
+    };
+    let class =
+        if determinants.first().is_some_and(is_number) && of_table(atoms, &a.mul(b2)?.sub(&b.mul(a2)?)?) {
+            Class::Constant
+        } else if perpendicular([a, b], [a2, b2])? {
+            Class::Singular
+        } else {
+            Class::Unsound
+        };
     let equation = Solved::Pair([a.clone(), b.clone(), c.clone()], [a2.clone(), b2.clone(), c2.clone()]);
     let origin = first.origin.with(&second.origin);
-    let class = if of_table(&state.atoms, &determinant) {
-        Class::Constant
-    } else if perpendicular([a, b], [a2, b2])? {
-        Class::Singular
-    } else {
-        Class::Unsound
-    };
     Ok(Some(Found { unknown: unknown.clone(), equation, origin, class }))
 }
 
-/// The other two coordinates of the known vector that c, the right-hand side of a row of this group, is a coordinate of,
-/// if that vector has length 1 and (a, b) has too.
+/// The other two coordinates of the known vector that c, the right-hand side of this row, is a coordinate of, if that
+/// vector has length 1 and (a, b) has too.
 fn unit(
     arena: &Arena,
     state: &mut State,
-    group: usize,
+    known: &[Polynomial],
+    row: &Lone,
     [a, b, c]: &[Polynomial; 3],
 ) -> Result<Option<[Polynomial; 2]>, Overflow> {
-    let square = a.mul(a)?.add(&b.mul(b)?)?;
+    if row.values.iter().any(|[a, b]| (a * a + b * b - 1.0).abs() > ZERO) {
+        return Ok(None);
+    }
+    let mut square = a.mul(a)?;
+    square.add_product(b, b, Number::ONE)?;
     let Some((key, _)) = square.terms().next() else { return Ok(None) };
     let one = Polynomial::number(key.frequency.len(), Number::ONE);
     if !square.sub(&one)?.is_zero() {
         return Ok(None);
     }
-    let mut known = Vec::new();
-    for equation in state.equations.iter().filter(|equation| equation.group == group) {
-        known.push(Reading::new(&equation.polynomial, &state.open)?.constant());
-    }
+    let State { samples, atoms, equations, .. } = state;
+    let of_group = equations.iter().zip(known).filter(|(equation, _)| equation.group == row.group);
+    let mut known: Vec<Polynomial> = of_group.map(|(_, known)| known.clone()).collect();
     let own = known.iter().position(|known| known == c || known.add(c).is_ok_and(|sum| sum.is_zero()));
     let Some(own) = own.filter(|_| known.len() == 3) else { return Ok(None) };
-    let State { samples, atoms, .. } = state;
     let is_unit = samples.iter_mut().all(|sample| {
         let square = |polynomial: &Polynomial| sample.value(arena, atoms, polynomial).powi(2);
         (known.iter().map(square).sum::<f64>() - 1.0).abs() < ZERO
@@ -262,18 +280,23 @@ pub(super) fn vanishes(arena: &Arena, state: &mut State, polynomial: &Polynomial
 }
 
 /// Sums of squares of two or three rows of one vector: |unknown part|^2 = |known part|^2.
-fn squares(state: &State) -> Result<Vec<Equation>, Overflow> {
+fn squares(state: &State, known: &[Polynomial]) -> Result<Vec<Equation>, Overflow> {
     let mut found = Vec::new();
     let mut groups: Vec<usize> = state.equations.iter().map(|equation| equation.group).collect();
     groups.dedup();
     for group in groups {
-        let rows: Vec<&Equation> =
-            state.equations.iter().filter(|equation| equation.group == group).collect();
-        for chosen in subsets(rows.len()) {
-            let rows: Vec<&Equation> = chosen.iter().filter_map(|index| rows.get(*index).copied()).collect();
-            if let Some(equation) = square_sum(&rows, &state.open)? {
-                found.push(equation);
-            }
+        let rows: Vec<_> =
+            state.equations.iter().zip(known).filter(|(equation, _)| equation.group == group).collect();
+        let chosen = subsets(rows.len());
+        if chosen.is_empty() {
+            continue;
+        }
+        let squared = |(row, known): &(&Equation, &Polynomial)| square(&row.polynomial, known);
+        let squared = rows.iter().map(squared).collect::<Result<Vec<_>, _>>()?;
+        for chosen in chosen {
+            let rows =
+                chosen.iter().filter_map(|index| Some((rows.get(*index)?.0, squared.get(*index)?.as_ref())));
+            found.extend(square_sum(rows)?);
         }
     }
     Ok(found)
@@ -288,26 +311,38 @@ fn subsets(rows: usize) -> Vec<Vec<usize>> {
     }
 }
 
-fn square_sum(rows: &[&Equation], open: &Open) -> Result<Option<Equation>, Overflow> {
+/// |unknown part|^2 - |known part|^2, unless it would be too long.
+fn square(row: &Polynomial, known: &Polynomial) -> Result<Option<Polynomial>, Overflow> {
+    let unknown = row.sub(known)?;
+    if unknown.len() > LONGEST_SQUARED || known.len() > LONGEST_SQUARED {
+        return Ok(None);
+    }
+    let mut square = unknown.mul(&unknown)?;
+    square.add_product(known, known, Number::integer(-1))?;
+    Ok(Some(square))
+}
+
+/// The sum of rows' squares.
+fn square_sum<'r>(
+    rows: impl Iterator<Item = (&'r Equation, Option<&'r Polynomial>)>,
+) -> Result<Option<Equation>, Overflow> {
     let mut sum = Polynomial::zero();
-    let mut origin: Option<Origin> = None;
-    for row in rows {
-        let known = Reading::new(&row.polynomial, open)?.constant();
-        let unknown = row.polynomial.sub(&known)?;
-        if unknown.len() > LONGEST_SQUARED || known.len() > LONGEST_SQUARED {
-            return Ok(None);
-        }
-        sum = sum.add(&unknown.mul(&unknown)?)?.sub(&known.mul(&known)?)?;
-        origin = Some(origin.map_or_else(|| row.origin.clone(), |origin| origin.with(&row.origin)));
+    let mut whole: Option<(Origin, String)> = None;
+    for (row, square) in rows {
+        let Some(square) = square else { return Ok(None) };
+        sum = sum.add(square)?;
+        whole = Some(match whole {
+            None => (row.origin.clone(), row.name.clone()),
+            Some((origin, name)) => (origin.with(&row.origin), name),
+        });
     }
     if sum.is_zero() {
         return Ok(None);
     }
-    let (Some(first), Some(origin)) = (rows.first(), origin) else { return Ok(None) };
-    Ok(Some(Equation {
+    Ok(whole.map(|(origin, name)| Equation {
         polynomial: sum,
         group: usize::MAX,
         origin: Origin { squares: true, ..origin },
-        name: first.name.clone(),
+        name,
     }))
 }

@@ -9,7 +9,7 @@
 use super::atoms::Atoms;
 use super::closure::{Equation, LONGEST_ROW, Origin, Trouble};
 use super::polynomial::{Overflow, Polynomial};
-use super::reading::{Open, Reading, short};
+use super::reading::{Open, short};
 use super::search::Found;
 use super::unknowns::Unknowns;
 use super::walk::{Step, Vector, Walker};
@@ -107,7 +107,7 @@ impl<'a, 'w> Circuit<'a, 'w> {
     }
 
     /// The point in which the last three axes meet, before the first of them; `None` where they don't.
-    fn meeting_point(&mut self) -> Result<Option<Carried>, Trouble> {
+    fn meeting_point(&mut self) -> Option<Carried> {
         let open = self.open();
         let mut point = Carried::origin();
         for (place, station) in self.stations.iter().enumerate().skip(self.tail).rev() {
@@ -116,18 +116,13 @@ impl<'a, 'w> Circuit<'a, 'w> {
             }
             point = self.walker.along([&station.joint], point);
         }
-        let Some(vector) = &point.vector else { return Ok(None) };
-        for entry in vector {
-            if !Reading::new(entry, &open)?.is_known() {
-                return Ok(None);
-            }
-        }
-        Ok(Some(point))
+        let vector = point.vector.as_ref()?;
+        vector.iter().all(|entry| open.knows(entry)).then_some(point)
     }
 
     /// Whether the last three axes meet.
     pub(super) fn meets(&mut self) -> bool {
-        matches!(self.meeting_point(), Ok(Some(_)))
+        self.meeting_point().is_some()
     }
 
     /// Whether the axes from the second joint to the first of the last three are parallel.
@@ -145,7 +140,7 @@ impl<'a, 'w> Circuit<'a, 'w> {
 
     /// The equations of the point in which the last three axes meet; `None` where they don't.
     pub(super) fn point(&mut self) -> Result<Option<(Atoms, Vec<Equation>)>, Trouble> {
-        let Some(inner) = self.meeting_point()? else { return Ok(None) };
+        let Some(inner) = self.meeting_point() else { return Ok(None) };
         let walker = &mut self.walker;
         let Some(end) = self.stations.last() else { return Ok(None) };
         let mut outer = walker.back(&end.link, Carried::origin());
@@ -435,7 +430,7 @@ impl Walker<'_> {
     /// Entries of which everything is known become atoms.
     fn shorten(&mut self, v: &mut Carried, open: &Open, names: &[String; 3]) -> Result<(), Overflow> {
         for (entry, name) in v.vector.iter_mut().flatten().zip(names) {
-            if Reading::new(entry, open)?.is_known() {
+            if open.knows(entry) {
                 *entry = short(entry, &mut self.atoms, name)?;
             }
         }

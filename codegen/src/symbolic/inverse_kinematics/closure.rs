@@ -270,7 +270,7 @@ fn squared(v: &Vector) -> Result<Option<Polynomial>, Overflow> {
     }
     let mut sum = Polynomial::zero();
     for entry in v {
-        sum = sum.add(&entry.mul(entry)?)?;
+        sum.add_product(entry, entry, Number::ONE)?;
     }
     Ok(Some(sum))
 }

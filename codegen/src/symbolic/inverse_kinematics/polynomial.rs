@@ -61,26 +61,12 @@ impl Polynomial {
 
     /// One term, of any frequency.
     pub(super) fn term(
-        mut frequency: Vec<i16>,
+        frequency: Vec<i16>,
         sine: bool,
         monomial: Vec<(Atom, u8)>,
-        mut coefficient: Number,
+        coefficient: Number,
     ) -> Self {
-        match frequency.iter().find(|multiple| **multiple != 0) {
-            None if sine => return Self::zero(),
-            Some(first) if *first < 0 => {
-                frequency = frequency.iter().map(|multiple| -multiple).collect();
-                if sine {
-                    coefficient = -coefficient;
-                }
-            }
-            _ => {}
-        }
-        let mut terms = BTreeMap::new();
-        if !coefficient.is_zero() {
-            terms.insert(Key { frequency, sine, monomial }, coefficient);
-        }
-        Self { terms }
+        Self { terms: normal(frequency, sine, monomial, coefficient).into_iter().collect() }
     }
 
     /// Its terms.
@@ -125,14 +111,27 @@ impl Polynomial {
     /// self * other, by the product-to-sum identities.
     pub(super) fn mul(&self, other: &Self) -> Outcome<Self> {
         let mut product = Self::zero();
-        for (a, m) in &self.terms {
-            for (b, n) in &other.terms {
+        product.add_product(self, other, Number::ONE)?;
+        Ok(product)
+    }
+
+    /// Adds factor * left * right, in place.
+    pub(super) fn add_product(&mut self, left: &Self, right: &Self, factor: Number) -> Outcome<()> {
+        for (a, m) in &left.terms {
+            let m = m.checked_mul(factor).ok_or(Overflow)?;
+            for (b, n) in &right.terms {
                 let coefficient = m.checked_mul(*n).ok_or(Overflow)?;
                 let monomial = multiply(&a.monomial, &b.monomial);
-                product.put_product(a, b, monomial, coefficient)?;
+                self.put_product(a, b, monomial, coefficient)?;
             }
         }
-        Ok(product)
+        Ok(())
+    }
+
+    /// Those of its terms that are as asked for.
+    pub(super) fn filtered(&self, wanted: impl Fn(&Key) -> bool) -> Self {
+        let terms = self.terms.iter().filter(|(key, _)| wanted(key));
+        Self { terms: terms.map(|(key, number)| (key.clone(), *number)).collect() }
     }
 
     fn put_product(
@@ -169,8 +168,10 @@ impl Polynomial {
         monomial: Vec<(Atom, u8)>,
         coefficient: Number,
     ) -> Outcome<()> {
-        let term = Self::term(frequency, sine, monomial, coefficient);
-        term.terms.into_iter().try_for_each(|(key, number)| self.put(key, number))
+        match normal(frequency, sine, monomial, coefficient) {
+            Some((key, number)) => self.put(key, number),
+            None => Ok(()),
+        }
     }
 
     fn put(&mut self, key: Key, number: Number) -> Outcome<()> {
@@ -218,6 +219,28 @@ impl Polynomial {
         }
         Ok(out)
     }
+}
+
+/// A term of any frequency in normal form, unless it is 0.
+fn normal(
+    mut frequency: Vec<i16>,
+    sine: bool,
+    monomial: Vec<(Atom, u8)>,
+    mut coefficient: Number,
+) -> Option<(Key, Number)> {
+    match frequency.iter().find(|multiple| **multiple != 0) {
+        None if sine => return None,
+        Some(first) if *first < 0 => {
+            for multiple in &mut frequency {
+                *multiple = -*multiple;
+            }
+            if sine {
+                coefficient = -coefficient;
+            }
+        }
+        _ => {}
+    }
+    (!coefficient.is_zero()).then_some((Key { frequency, sine, monomial }, coefficient))
 }
 
 /// Product of two monomials.

@@ -1,7 +1,7 @@
 //! An equation as its unknowns see it: known coefficients of unknown sines, cosines and slides.
 
 use super::atoms::{Atoms, Source};
-use super::polynomial::{Atom, Overflow, Polynomial};
+use super::polynomial::{Atom, Key, Overflow, Polynomial};
 use crate::symbolic::number::Number;
 use std::collections::BTreeMap;
 
@@ -18,6 +18,21 @@ impl Open {
     /// Whether everything is known.
     pub(super) fn is_empty(&self) -> bool {
         self.angles.is_empty() && self.slides.is_empty()
+    }
+
+    /// The known part of an equation.
+    pub(super) fn known(&self, equation: &Polynomial) -> Polynomial {
+        equation.filtered(|key| self.knows_term(key))
+    }
+
+    /// Whether nothing in a polynomial is unknown.
+    pub(super) fn knows(&self, polynomial: &Polynomial) -> bool {
+        polynomial.terms().all(|(key, _)| self.knows_term(key))
+    }
+
+    fn knows_term(&self, key: &Key) -> bool {
+        self.angles.iter().all(|angle| key.frequency.get(*angle).is_none_or(|k| *k == 0))
+            && key.monomial.iter().all(|(atom, _)| !self.slides.contains(atom))
     }
 }
 
@@ -84,23 +99,6 @@ impl Reading {
         part.map_or_else(Polynomial::zero, |(_, [cos, _])| cos.clone())
     }
 
-    /// Whether nothing in it is unknown.
-    pub(super) fn is_known(&self) -> bool {
-        self.parts.keys().all(|(frequency, slides)| slides.is_empty() && frequency.iter().all(|k| *k == 0))
-    }
-
-    /// The polynomial again.
-    pub(super) fn polynomial(&self) -> Result<Polynomial, Overflow> {
-        let mut sum = Polynomial::zero();
-        for ((frequency, slides), [cos, sin]) in &self.parts {
-            for (coefficient, sine) in [(cos, false), (sin, true)] {
-                let factor = Polynomial::term(frequency.clone(), sine, slides.clone(), Number::ONE);
-                sum = sum.add(&coefficient.mul(&factor)?)?;
-            }
-        }
-        Ok(sum)
-    }
-
     /// The equation in one unknown that this is, if it is one.
     pub(super) fn simple(&self) -> Result<Option<Simple>, Overflow> {
         let minus = Number::integer(-1);
@@ -141,20 +139,11 @@ fn slide(parts: &[(&Unknown, &[Polynomial; 2])], constant: Polynomial) -> Option
     Some(Simple::Slide { slide: slide?, a, b, c })
 }
 
-/// Replaces the known part, where it is more than a number of the table, by an atom, so that squares stay short.
-/// Coefficients of unknown sines and cosines stay as they are: sums of their squares must still collapse.
-pub(super) fn abbreviate(reading: &mut Reading, atoms: &mut Atoms, name: &str) -> Result<(), Overflow> {
-    for ((frequency, slides), [constant, _]) in &mut reading.parts {
-        if slides.is_empty() && frequency.iter().all(|k| *k == 0) {
-            *constant = short(constant, atoms, name)?;
-        }
-    }
-    Ok(())
-}
-
+/// A known part, where it is more than a number of the table, as an atom, so that squares stay short. Coefficients of unknown
+/// sines and cosines stay as they are: sums of their squares must still collapse.
 pub(super) fn short(polynomial: &Polynomial, atoms: &mut Atoms, name: &str) -> Result<Polynomial, Overflow> {
-    let still = |key: &super::polynomial::Key| key.frequency.iter().all(|k| *k == 0);
-    let of_table = |key: &super::polynomial::Key| {
+    let still = |key: &Key| key.frequency.iter().all(|k| *k == 0);
+    let of_table = |key: &Key| {
         key.monomial.iter().all(|(atom, _)| {
             matches!(atoms.list.get(usize::from(*atom)).map(|data| &data.source), Some(Source::Table(_)))
         })

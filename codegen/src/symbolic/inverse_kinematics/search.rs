@@ -11,7 +11,7 @@ use super::candidates::candidates;
 use super::closure::{Equation, Origin};
 use super::elimination::quartics;
 use super::polynomial::{Atom, Overflow, Polynomial};
-use super::reading::{self, Open, Reading};
+use super::reading::{self, Open};
 use super::samples::Sample;
 use crate::symbolic::expression::Arena;
 use std::collections::BTreeSet;
@@ -287,12 +287,16 @@ fn settle(state: &mut State) -> Result<(), Overflow> {
     let mut groups: Vec<(BTreeSet<Polynomial>, Vec<Equation>)> = Vec::new();
     let mut last = None;
     for equation in std::mem::take(&mut state.equations) {
-        let mut reading = Reading::new(&equation.polynomial, &state.open)?;
-        if reading.is_known() {
+        let known = state.open.known(&equation.polynomial);
+        if known.len() == equation.polynomial.len() {
             continue;
         }
-        reading::abbreviate(&mut reading, &mut state.atoms, &equation.name)?;
-        let polynomial = reading.polynomial()?;
+        let short = reading::short(&known, &mut state.atoms, &equation.name)?;
+        let polynomial = if short == known {
+            equation.polynomial
+        } else {
+            equation.polynomial.sub(&known)?.add(&short)?
+        };
         if last.replace(equation.group) != Some(equation.group) {
             groups.push((BTreeSet::new(), Vec::new()));
         }

@@ -239,7 +239,7 @@ impl Walker<'_> {
                 }
                 let entry = self.parameter(&format!("{name}{}{}", i + 1, j + 1), *number, note, 0);
                 if let (Some(out), Some(v)) = (out.get_mut(to), v.get(from)) {
-                    *out = out.add(&entry.mul(v)?)?;
+                    out.add_product(&entry, v, Number::ONE)?;
                 }
             }
         }
@@ -254,7 +254,7 @@ fn turned_by(rows: &[Vector; 3], v: &Vector, transposed: bool) -> Result<Vector,
         for (j, entry) in row.iter().enumerate() {
             let (to, from) = if transposed { (j, i) } else { (i, j) };
             if let (Some(out), Some(v)) = (out.get_mut(to), v.get(from)) {
-                *out = out.add(&entry.mul(v)?)?;
+                out.add_product(entry, v, Number::ONE)?;
             }
         }
     }
@@ -263,9 +263,13 @@ fn turned_by(rows: &[Vector; 3], v: &Vector, transposed: bool) -> Result<Vector,
 
 /// Turned about a coordinate axis, or back.
 fn turn(v: Vector, axis: usize, sin: &Polynomial, cos: &Polynomial, back: bool) -> Result<Vector, Overflow> {
-    let sin = if back { sin.scaled(Number::integer(-1))? } else { sin.clone() };
+    let (plus, minus) = (Number::ONE, Number::integer(-1));
+    let (along, against) = if back { (minus, plus) } else { (plus, minus) };
     let rotate = |a: &Polynomial, b: &Polynomial| -> Result<(Polynomial, Polynomial), Overflow> {
-        Ok((cos.mul(a)?.sub(&sin.mul(b)?)?, sin.mul(a)?.add(&cos.mul(b)?)?))
+        let (mut first, mut second) = (cos.mul(a)?, cos.mul(b)?);
+        first.add_product(sin, b, against)?;
+        second.add_product(sin, a, along)?;
+        Ok((first, second))
     };
     let [x, y, z] = v;
     Ok(match axis {
