@@ -8,7 +8,7 @@ use super::schedule::Constants;
 use super::{Function, GeneralChain, Scalar, Step, ValueId, descents, general, inverse, ways};
 use crate::model::geometry::Nominal;
 use crate::model::{JointKind, Model, Problem, Target, product};
-use crate::symbolic::inverse_kinematics::{self, Begins, Derivation, Refusal, StageEquation};
+use crate::symbolic::inverse_kinematics::{self, Derivation, Refusal, StageEquation};
 use crate::symbolic::redundancy;
 use dh_core::{BranchBit, Form, Frame, rotation_error};
 use moves::Moves;
@@ -62,9 +62,8 @@ fn function(
     mut derivation: Derivation,
     constants: &mut Constants,
 ) -> Option<Function> {
-    // What is sure of the kernels' roots isn't known of four, nor of steps that begin between two joints.
-    let begins = derivation.begins == Begins::Between;
-    if begins || !derivation.stages.iter().all(|stage| has_bounds(&stage.equation)) {
+    if derivation.stages.iter().any(|stage| matches!(stage.equation, StageEquation::TrigEither(..))) {
+        // By how much its roots are off isn't known.
         return None;
     }
     let moves = Moves::of(model, problem)?;
@@ -105,11 +104,6 @@ fn function(
     let meant = nominal.class();
     function.steps = vec![Step::Near { nearly, meant, body, otherwise }];
     Some(function)
-}
-
-/// Whether it is known by how much the roots of an equation are off.
-fn has_bounds(equation: &StageEquation) -> bool {
-    !matches!(equation, StageEquation::Quartic(..) | StageEquation::TrigEither(..))
 }
 
 /// A function that solves the table as it is.

@@ -81,6 +81,12 @@ impl Waves {
         Self::new(coefficients, 2, 0.0)
     }
 
+    /// The same; values may be off by so much.
+    pub(crate) fn quadratic_off_by(coefficients: [[f64; 2]; 3], off: f64) -> Self {
+        let waves = Self::quadratic(coefficients);
+        Self { uncertain: Float::max(off, waves.uncertain), ..waves }
+    }
+
     /// Value and two derivatives.
     pub(super) fn at(&self, x: f64) -> [f64; 3] {
         let (sin, cos) = Float::sin_cos(x);

@@ -14,6 +14,7 @@ mod curve;
 mod newton;
 mod reduced;
 mod seek;
+mod starts;
 mod steps;
 
 use super::conditions::held;

@@ -45,7 +45,7 @@ pub struct QuarticRoots<S = f64> {
 }
 
 impl<S: Float> QuarticRoots<S> {
-    const fn of(any: Roots<S>) -> Self {
+    pub(super) const fn of(any: Roots<S>) -> Self {
         Self { list: [S::ZERO; MAX_ROOTS], len: 0, next: 0, minus: 0, bit: 0, any }
     }
 
@@ -98,7 +98,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         self.squares(step, forms, right, Some((others, length)))
     }
 
-    fn squares(
+    pub(super) fn squares(
         &mut self,
         step: Step,
         forms: [[S; 3]; 2],
@@ -114,12 +114,7 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         if size <= scale.vanishing {
             return QuarticRoots::of(self.degenerate(step, size, &scale));
         }
-        let of_size = |form: [S; 3]| form.map(|x| (x / size).to_f64());
-        let squares = Squares {
-            forms: forms.map(of_size),
-            right: (right / size).to_f64(),
-            unit: unit.map(|(others, length)| (others.map(of_size), of_size(length))),
-        };
+        let squares = Squares::of(forms, right, unit, size);
         let harmonics = squares.harmonics();
         let [[c, _], varying @ ..] = harmonics;
         let varying = varying.as_flattened().iter().fold(0.0, |most, x| libm::fabs(*x).max(most));
@@ -146,6 +141,46 @@ impl<const N: usize, S: Float> Search<'_, N, S> {
         roots
     }
 
+    /// The same of a nearly special arm, for which left and right side may differ by so much more or less, with what the roots may be
+    /// off by (rad). `None` where two of them may be one, or none two.
+    pub(super) fn quartic_off_by(
+        &mut self,
+        step: Step,
+        forms: [[S; 3]; 2],
+        right: S,
+        unit: Option<([[S; 3]; 2], [S; 3])>,
+        off: S,
+    ) -> Option<(QuarticRoots<S>, S)> {
+        let all = forms.as_flattened().iter().chain([&right]);
+        let size = all.fold(S::ZERO, |size, x| size.max(x.abs()));
+        let squares = Squares::of(forms, right, unit, size);
+        let harmonics = squares.harmonics();
+        let largest = harmonics.as_flattened().iter().fold(0.0, |most, x| libm::fabs(*x).max(most));
+        let off = (off / size / size).to_f64();
+        // Not where one is no number, either.
+        if !(off < largest && largest < f64::INFINITY) {
+            return None;
+        }
+        let waves = Waves::quadratic_off_by(harmonics.map(|pair| pair.map(|x| x / largest)), off / largest);
+        let found = waves.roots();
+        if found.is_doubtful() || !found.unlikely().is_empty() {
+            return None;
+        }
+        let mut roots = QuarticRoots { bit: step.sign_bit(), ..QuarticRoots::of(Roots::NONE) };
+        let mut most = 0.0;
+        for place in found.candidates() {
+            let root = squares.refined(place, APART);
+            let [_, slope, ..] = squares.at(root);
+            most = f64::max(most, off / libm::fabs(slope));
+            roots.push(root, slope < 0.0);
+        }
+        if roots.is_empty() {
+            let excess = S::from_f64(waves.miss(&found));
+            let _ = self.fail_step(step, excess, IkError::Unreachable { step, excess });
+        }
+        Some((roots, S::from_f64(most)))
+    }
+
     /// The next root (rad) to go on with, with its sine and cosine.
     pub fn next_of_quartic(&mut self, roots: &mut QuarticRoots<S>) -> Option<(S, S, S)> {
         if roots.len == 0 {
@@ -170,6 +205,16 @@ struct Squares {
 }
 
 impl Squares {
+    /// With all numbers divided by the size of the greatest.
+    fn of<S: Float>(forms: [[S; 3]; 2], right: S, unit: Option<([[S; 3]; 2], [S; 3])>, size: S) -> Self {
+        let of_size = |form: [S; 3]| form.map(|x| (x / size).to_f64());
+        Self {
+            forms: forms.map(of_size),
+            right: (right / size).to_f64(),
+            unit: unit.map(|(others, length)| (others.map(of_size), of_size(length))),
+        }
+    }
+
     /// f(x) = Re sum of (a + i b)_j exp(i j x)
     fn harmonics(&self) -> [[f64; 2]; 3] {
         let mut harmonics = [[-self.right * self.right, 0.0], [0.0; 2], [0.0; 2]];

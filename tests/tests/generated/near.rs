@@ -18,6 +18,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 #[dh_robot("../../near/ur5_tilted.toml")]
 struct Tilted;
 
+#[dh_robot("../../near/parallels_tilted.toml")]
+struct Parallels;
+
 /// The same numbers on every run.
 struct Random(u64);
 
@@ -32,8 +35,9 @@ impl Random {
 /// d, a, alpha (m, quarter turns) of every row.
 type Rows = [(f64, f64, f64); 6];
 
-/// Three parallel axes; a spherical wrist behind parallel axes; one behind axes that meet; one behind skew ones.
-const CLASSES: [(&str, Rows); 4] = [
+/// Three parallel axes; a spherical wrist behind parallel axes; one behind axes that meet; one behind skew ones. Three parallel
+/// axes and a spherical joint beside three general ones, by quartics.
+const CLASSES: [(&str, Rows); 6] = [
     (
         "three parallel axes",
         [
@@ -76,6 +80,28 @@ const CLASSES: [(&str, Rows); 4] = [
             (0.0, 0.4, 0.0),
             (0.05, 0.1, 1.0),
             (0.1, 0.0, 0.0),
+        ],
+    ),
+    (
+        "three parallel axes beside general ones",
+        [
+            (0.1, 0.11, 1.0),
+            (-0.23, 0.25, 1.0),
+            (-0.23, 0.05, 0.6),
+            (0.0, 0.25, 0.0),
+            (0.0, 0.3, 0.0),
+            (0.31, 0.25, 1.0),
+        ],
+    ),
+    (
+        "spherical joint beside general ones",
+        [
+            (0.3, 0.1, 0.7),
+            (0.0, 0.0, 1.0),
+            (0.0, 0.0, -1.0),
+            (0.3, 0.35, 0.45),
+            (0.1, 0.2, -0.6),
+            (0.2, 0.0, 0.0),
         ],
     ),
 ];
@@ -316,18 +342,46 @@ fn single_precision_finds_what_it_can_tell_apart() {
 
 #[test]
 fn generated_code_has_the_bits_of_the_interpreter() {
-    let text = include_str!("../../near/ur5_tilted.toml");
+    same_bits(&Tilted, include_str!("../../near/ur5_tilted.toml"));
+    same_bits(&Parallels, include_str!("../../near/parallels_tilted.toml"));
+}
+
+fn same_bits(arm: &dyn Kinematics, text: &str) {
     assert!(is_near(&compiled(text).plan));
     let interpreter = engine::interpreter(text).unwrap();
     let mut random = Random(13);
     for number in 0..60 {
         let q = joints(&mut random, number);
-        let tool = Tilted.fk(&q.clone().try_into().unwrap());
-        let tool = Frame::from(tool);
-        assert_eq!(computed(&Tilted, &q, tool), computed(&*interpreter, &q, tool), "{q:?}");
+        let tool = arm.fk(&q).unwrap();
+        assert_eq!(computed(arm, &q, tool), computed(&*interpreter, &q, tool), "{q:?}");
     }
     // Far away there is nothing, by either.
     let mut far = Frame::IDENTITY;
     far.translation[0] = 3.0;
-    assert_eq!(computed(&Tilted, &[0.0; 6], far), computed(&*interpreter, &[0.0; 6], far));
+    assert_eq!(computed(arm, &[0.0; 6], far), computed(&*interpreter, &[0.0; 6], far));
+}
+
+/// Axes 4 to 6 are all but parallel to axis 2 where joint 3 is at a quarter turn, and a curve of solutions of the arm that was meant has a
+/// few points left. Poses beside the target had none of them.
+#[test]
+fn what_is_left_of_a_curve_is_found_from_places_all_over() {
+    let text = include_str!("../../near/parallels_tilted.toml");
+    let oracle = Oracle::read(text).unwrap();
+    let mut random = Random(17);
+    for number in 0..200 {
+        let mut q: Vec<f64> = (0..6).map(|_| FRAC_PI_2 * (2.0 * random.next()).round()).collect();
+        if number % 2 == 0 {
+            q[number / 2 % 6] = PI * random.next();
+        }
+        let pose = oracle.fk(&q);
+        let mut set = SolutionSet::new();
+        let answer = Parallels.ik_into(FULL_POSE, &Target::Pose(frame_of(&pose)), &mut set);
+        assert!(answer.is_ok(), "{q:?}: {answer:?}");
+        for solution in set.iter() {
+            let found = oracle.fk(solution.q);
+            let miss = found.iter().flatten().zip(pose.iter().flatten()).map(|(a, b)| (a - b).abs());
+            let miss = miss.fold(0.0, f64::max);
+            assert!(miss < 3e-10, "{q:?}: {:?} misses by {miss:e}", solution.q);
+        }
+    }
 }

@@ -151,7 +151,9 @@ impl Body<'_> {
                     text.gap();
                     text.paragraph("//", "Where those may not be all, the arm as it is.");
                     let given = given(&self.function.free);
-                    text.line(format!("let mut search = search.otherwise(&wanted){given};"));
+                    text.line(format!(
+                        "let mut search = search.otherwise(&wanted, pose_and_jacobian){given};"
+                    ));
                     self.steps(text, otherwise, accept);
                 }
                 Step::Accept { q, tool, polish } => accept(text, &Candidate { q, tool, polish: *polish }),

@@ -124,12 +124,12 @@ pub(super) enum Searching<'w, S> {
 
 impl<S: Float> Searching<'_, S> {
     fn roots(&mut self, step: dh_core::Step, equation: Kernel, registers: &Registers<S>) -> Found<S> {
-        // Nearly special arms do without these three.
         if let Kernel::Quartic(forms, right) = equation {
             let forms = forms.map(|form| registers.all(form));
             return match self {
                 Self::Exact(search) => Found::Four(search.quartic(step, forms, registers.get(right))),
-                Self::Near(_) | Self::Done(_) => Found::Two(Roots::NONE),
+                Self::Near(near) => Found::Four(near.quartic(step, forms, registers.get(right))),
+                Self::Done(_) => Found::Two(Roots::NONE),
             };
         }
         if let Kernel::QuarticUnit(forms, right, others, length) = equation {
@@ -137,9 +137,11 @@ impl<S: Float> Searching<'_, S> {
             let (right, length) = (registers.get(right), registers.all(length));
             return match self {
                 Self::Exact(search) => Found::Four(search.quartic_unit(step, forms, right, others, length)),
-                Self::Near(_) | Self::Done(_) => Found::Two(Roots::NONE),
+                Self::Near(near) => Found::Four(near.quartic_unit(step, forms, right, others, length)),
+                Self::Done(_) => Found::Two(Roots::NONE),
             };
         }
+        // Nearly special arms do without this one.
         if let Kernel::TrigEither(first, second) = equation {
             return Found::Two(match self {
                 Self::Exact(search) => search.trig_either(step, registers.all(first), registers.all(second)),
@@ -196,7 +198,8 @@ impl<S: Float> Searching<'_, S> {
     fn next_of_quartic(&mut self, roots: &mut QuarticRoots<S>) -> Option<(S, S, S)> {
         match self {
             Self::Exact(search) => search.next_of_quartic(roots),
-            Self::Near(_) | Self::Done(_) => None,
+            Self::Near(near) => near.next_of_quartic(roots),
+            Self::Done(_) => None,
         }
     }
 
@@ -317,7 +320,10 @@ impl<'r, S: Float, F: FnMut(Event<'_, S>)> Inverse<'r, S, F> {
         if let Some(answer) = search.finish_where(broken) {
             self.search = Searching::Done(answer);
         } else {
-            self.search = Searching::Exact(search.otherwise(self.wanted).with_given(&self.names.free));
+            let Some(both) = self.both else { return };
+            let exact = |q: &[S; MAX_JOINTS]| pose_and_jacobian(both, q.get(..dof).unwrap_or_default());
+            let otherwise = search.otherwise(self.wanted, exact).with_given(&self.names.free);
+            self.search = Searching::Exact(otherwise);
             self.block(&near.otherwise, registers);
             if let Searching::Exact(search) = &mut self.search {
                 self.search = Searching::Done(search.finish_where(broken));

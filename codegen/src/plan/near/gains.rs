@@ -144,10 +144,18 @@ impl Branch<'_> {
                 }
                 Equation::Linear { a, c } => search.linear(step, number(a), number(c)),
                 Equation::Quadratic { a, b, c } => search.quadratic(step, number(a), number(b), number(c)),
-                // There are none in these functions.
+                // There is none of the one in these functions; the other follows.
                 Equation::TrigEither { .. } | Equation::Quartic { .. } => Roots::NONE,
             };
-            let list: Vec<f64> = all.into_iter().collect();
+            let mut list: Vec<f64> = all.into_iter().collect();
+            if let Equation::Quartic { forms, right, .. } = equation {
+                let forms = forms.each_ref().map(|form| form.each_ref().map(number));
+                let mut all = search.quartic(step, forms, number(right));
+                // One root of any value would go on for as long as none of them leads to a solution.
+                for _ in 0..all.len() {
+                    list.extend(search.next_of_quartic(&mut all).map(|(root, ..)| root));
+                }
+            }
             let root = list.get(choice(stage, &list) % list.len().max(1)).copied();
             found &= root.is_some();
             roots.push(root.unwrap_or(0.0));
@@ -186,8 +194,13 @@ impl Branch<'_> {
                         }
                         Equation::Linear { a, c } => value(a) * x - value(c),
                         Equation::Quadratic { a, b, c } => (value(a) * x + value(b)) * x + value(c),
+                        Equation::Quartic { forms, right, .. } => {
+                            let sum = |[k, l, m]: [&Scalar; 3]| value(k) + value(l) * c + value(m) * s;
+                            let [first, second] = forms.each_ref().map(|form| sum(form.each_ref()));
+                            (first * first + second * second - value(right).powi(2)) / size
+                        }
                         // There are none in these functions.
-                        Equation::TrigEither { .. } | Equation::Quartic { .. } => f64::INFINITY,
+                        Equation::TrigEither { .. } => f64::INFINITY,
                     },
             );
             x
@@ -197,17 +210,20 @@ impl Branch<'_> {
 
     /// Of the terms of a step's equation.
     fn size(&self, stage: usize) -> f64 {
-        match self.function.stages.get(stage).map(|stage| stage.measure) {
-            Some(Measure::Length) => self.reach(),
-            Some(Measure::Area) => self.reach() * self.reach(),
-            _ => 1.0,
-        }
+        let power = match self.function.stages.get(stage).map(|stage| stage.measure) {
+            Some(Measure::Length) => 1,
+            Some(Measure::Area) => 2,
+            Some(Measure::Power(power)) => power,
+            _ => 0,
+        };
+        self.reach().powi(power.into())
     }
 
     fn step(&self, stage: usize) -> dh_core::Step {
         let measure = match self.function.stages.get(stage).map(|stage| stage.measure) {
             Some(Measure::Length) => dh_core::Measure::Length,
             Some(Measure::Area) => dh_core::Measure::Area,
+            Some(Measure::Power(power)) => dh_core::Measure::Power(power),
             _ => dh_core::Measure::Ratio,
         };
         dh_core::Step::new(0, 1, self.slides(stage), measure)

@@ -166,6 +166,13 @@ impl<const N: usize, S: Float, F: FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N])> Arm
         })
     }
 
+    /// Joint values to which damped steps lead, if no more is missing there (reaches, rad).
+    pub(super) fn descend(&mut self, from: [S; N], steps: usize, most: S) -> Option<[S; N]> {
+        let end = self.polish(from, steps);
+        let met = end.position_error <= most * self.asked.reach && end.rotation_error <= most;
+        met.then_some(end.q)
+    }
+
     /// By damped steps of the unknowns.
     fn polish(&mut self, from: [S; N], steps: usize) -> Polished<N, S> {
         let (asked, exact) = (self.asked, &mut self.pose_and_jacobian);

@@ -5,7 +5,7 @@
 
 use super::asked::Asked;
 use super::curve::{Arm, apart};
-use super::{Exact, Near, are_pairs};
+use super::{Exact, Form, Near, UNKNOWNS, are_pairs};
 use crate::evenly::evenly;
 use crate::polish::Polished;
 use crate::search::Search;
@@ -19,8 +19,8 @@ pub(super) struct Seek<const N: usize, S> {
     /// How many were.
     asked: u32,
     /// Of them, those since the last that led to something new.
-    idle: u32,
-    found: Solutions<N, S>,
+    pub(super) idle: u32,
+    pub(super) found: Solutions<N, S>,
     /// Whether that is all, as the general chain says.
     complete: bool,
     /// Whether one is so nearly singular that others may be beside it.
@@ -35,7 +35,7 @@ pub(super) struct Seek<const N: usize, S> {
 }
 
 /// So many poses in a row that lead to nothing new are the last.
-const PATIENCE: u32 = 7;
+pub(super) const PATIENCE: u32 = 7;
 
 /// The same for targets that leave something of the pose open.
 const LONGER: u32 = 15;
@@ -135,11 +135,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         let (target, pose) = (self.target.in_f64(), self.target.any_frame().in_f64());
         let (_, sure) = six.solve_plainly(&pose, |values, determinant| {
             let (position_error, rotation_error) = target.errors(&six.tip(values));
-            let mut q = [S::ZERO; N];
-            for (slot, [factors @ .., constant]) in q.iter_mut().zip(*joints) {
-                let value = factors.iter().zip(values).fold(*constant, |sum, (factor, x)| sum + factor * x);
-                *slot = S::from_f64(value);
-            }
+            let q = joint_values(joints, values);
             let [position_error, rotation_error] = [position_error, rotation_error].map(S::from_f64);
             let found = Polished { q, position_error, rotation_error };
             let negative = (determinant < 0.0) != self.labels.mirrored;
@@ -204,10 +200,15 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
     }
 
     /// A search about what is wanted that has what was found already.
-    pub fn otherwise<'w, const K: usize>(&self, wanted: &'w Wanted<K, S>) -> Search<'w, N, S>
+    pub fn otherwise<'w, const K: usize>(
+        &mut self,
+        wanted: &'w Wanted<K, S>,
+        pose_and_jacobian: impl FnMut(&[S; N]) -> (Frame<S>, [[S; 6]; N]),
+    ) -> Search<'w, N, S>
     where
         Self: 'w,
     {
+        self.seek_all_over(pose_and_jacobian);
         let mut search = Search::about(self.search.reach, self.search.windings, wanted);
         if let Some(seek) = &self.seek {
             search.solutions = seek.thinned();
@@ -221,7 +222,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
 
 impl<const N: usize, S: Float> Seek<N, S> {
     /// Takes what was found.
-    pub(super) fn add(&mut self, solution: Solution<N, S>, windings: &[Winding<'_, S>]) {
+    fn add(&mut self, solution: Solution<N, S>, windings: &[Winding<'_, S>]) {
         let before = self.found.len();
         self.found.push(solution, windings);
         if self.found.len() > before {
@@ -231,7 +232,7 @@ impl<const N: usize, S: Float> Seek<N, S> {
 
     /// Puts what is on a curve of solutions aside: the chain has one point of it and marks that. Only what has come since there were
     /// `before` is looked at.
-    fn sift(&mut self, before: usize, mut stiffness: impl FnMut([S; N]) -> Option<S>) {
+    pub(super) fn sift(&mut self, before: usize, mut stiffness: impl FnMut([S; N]) -> Option<S>) {
         for (place, solution) in self.found.take().into_iter().enumerate() {
             let is_still = |stiffness| stiffness < S::from_f64(STILL);
             if place >= before && stiffness(solution.q).is_some_and(is_still) {
@@ -248,6 +249,10 @@ impl<const N: usize, S: Float> Seek<N, S> {
 
     fn has_pairs(&self) -> bool {
         !self.found.is_empty() && are_pairs(&self.found)
+    }
+
+    pub(super) fn has_nothing(&self) -> bool {
+        self.found.is_empty() && self.on_curves.is_empty()
     }
 
     fn is_full(&self) -> bool {
@@ -280,6 +285,16 @@ impl<const N: usize, S: Float> Seek<N, S> {
             self.places += 1;
         }
     }
+}
+
+/// The arm's joint values, from those of its chain.
+pub(super) fn joint_values<const N: usize, S: Float>(joints: &[Form], values: &[f64; UNKNOWNS]) -> [S; N] {
+    let mut q = [S::ZERO; N];
+    for (slot, [factors @ .., constant]) in q.iter_mut().zip(joints) {
+        let value = factors.iter().zip(values).fold(*constant, |sum, (factor, x)| sum + factor * x);
+        *slot = S::from_f64(value);
+    }
+    q
 }
 
 /// Where the pose of a number is, beside the target (reaches, rad): in all directions evenly, and opposite to the one before.

@@ -6,7 +6,7 @@
 use super::super::free::Free;
 use super::super::trigonometric::both;
 use super::{MARGIN, Near, UNSURE, above, row};
-use crate::{Float, Roots, Step};
+use crate::{Float, QuarticRoots, Roots, Step};
 
 /// Sines that are smaller than this are taken for 0 where another step has a double root.
 const CROSSED: f64 = 0.1;
@@ -212,6 +212,51 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
             return self.search.free(Free::every(step, self.search.accepted));
         }
         self.search.trig_pair(step, first, second)
+    }
+
+    /// [`Search::quartic`](crate::Search::quartic): two of its roots meet where its slope is 0.
+    pub fn quartic(&mut self, step: Step, forms: [[S; 3]; 2], right: S) -> QuarticRoots<S> {
+        self.squares(step, forms, right, None)
+    }
+
+    /// [`Search::quartic_unit`](crate::Search::quartic_unit).
+    pub fn quartic_unit(
+        &mut self,
+        step: Step,
+        forms: [[S; 3]; 2],
+        right: S,
+        others: [[S; 3]; 2],
+        length: [S; 3],
+    ) -> QuarticRoots<S> {
+        self.squares(step, forms, right, Some((others, length)))
+    }
+
+    fn squares(
+        &mut self,
+        step: Step,
+        forms: [[S; 3]; 2],
+        right: S,
+        unit: Option<([[S; 3]; 2], [S; 3])>,
+    ) -> QuarticRoots<S> {
+        if self.seek.is_some() {
+            return self.search.squares(step, forms, right, unit);
+        }
+        self.doubt_if_adrift(step);
+        let [off, _] = self.begin(step);
+        // The sums have the step's dimension, their squares twice that.
+        let off = off * step.measure.scale(self.search.reach);
+        match self.search.quartic_off_by(step, forms, right, unit, S::from_f64(MARGIN) * off) {
+            Some((roots, by)) => {
+                self.end(step, by);
+                roots
+            }
+            None => QuarticRoots::of(self.doubt()),
+        }
+    }
+
+    /// The next root (rad) of a quartic to go on with, with its sine and cosine.
+    pub fn next_of_quartic(&mut self, roots: &mut QuarticRoots<S>) -> Option<(S, S, S)> {
+        if self.stopped() { None } else { self.search.next_of_quartic(roots) }
     }
 
     /// [`Search::linear`](crate::Search::linear): it has no root where a vanishes.
