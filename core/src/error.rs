@@ -67,6 +67,9 @@ pub enum IkError<S = f64> {
 /// Below this, two decimals say nothing.
 const SMALL_PERCENT: f64 = 0.05;
 
+/// Below this, it is rounding.
+const NO_PERCENT: f64 = 1e-11;
+
 impl<S: Float> fmt::Display for IkError<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -78,7 +81,9 @@ impl<S: Float> fmt::Display for IkError<S> {
             }
             Self::Unreachable { step, excess } => {
                 let percent = excess.to_f64() * 100.0;
-                if percent < SMALL_PERCENT {
+                if percent <= NO_PERCENT {
+                    write!(f, "out of reach: {step} is at the edge of its domain, and leads to no solution")
+                } else if percent < SMALL_PERCENT {
                     write!(f, "out of reach: {step} exceeds its domain by {percent:.1e} %")
                 } else {
                     write!(f, "out of reach: {step} exceeds its domain by {percent:.2} %")

@@ -47,9 +47,12 @@ impl Solution {
             }
             Equation::Linear { a, c } => linear(unknown, &sum(a), &sum(c)),
             Equation::Quadratic { a, b, c } => quadratic(unknown, &sum(a), &sum(b), &sum(c)),
-            Equation::Quartic { forms, right, .. } => {
+            Equation::Quartic { forms, right, vector } => {
                 let forms = forms.each_ref().map(|form| form.each_ref().map(&mut *sum));
-                quartic(unknown, forms, &sum(right))
+                let others = vector
+                    .as_ref()
+                    .map(|vector| vector.others.each_ref().map(|form| form.each_ref().map(&mut *sum)));
+                quartic(unknown, forms, &sum(right), others)
             }
         }
     }
@@ -188,13 +191,26 @@ fn quadratic(unknown: &Unknown<'_>, a: &Sum, b: &Sum, c: &Sum) -> Solution {
     }
 }
 
-fn quartic(unknown: &Unknown<'_>, forms: [[Sum; 3]; 2], right: &Sum) -> Solution {
+fn quartic(
+    unknown: &Unknown<'_>,
+    forms: [[Sum; 3]; 2],
+    right: &Sum,
+    others: Option<[[Sum; 3]; 2]>,
+) -> Solution {
     let name = unknown.name;
-    let [first, second] = forms.map(|[k, l, m]| left(unknown, &l, &m).add(k).squared());
+    let form = |[k, l, m]: [Sum; 3]| left(unknown, &l, &m).add(k);
+    let [first, second] = forms.map(|sums| form(sums).squared());
+    let mut remarks = vec!["up to four roots".to_owned(), format!("a quartic in tan({name} / 2)")];
+    if let Some(others) = others {
+        let [one, other] = others.map(form);
+        remarks.push(format!(
+            "next to double roots by the other coordinates of the first square's vector, {one} and {other}"
+        ));
+    }
     Solution {
         equations: vec![format!("{} = {}", first.add(second), right.squared())],
         roots: Vec::new(),
-        remarks: vec!["up to four roots".to_owned(), format!("a quartic in tan({name} / 2)")],
+        remarks,
         plus: Some("the left side rises".to_owned()),
     }
 }
