@@ -82,6 +82,8 @@ pub struct Near<'a, const N: usize, S = f64> {
     across: [[S; 3]; 2],
     begun: bool,
     seek: Option<Seek<N, S>>,
+    /// Whether a step has four roots: of these nothing is known at folds, and poses beside the target may have none.
+    quartic: bool,
     deviation: f64,
     chain: Option<Exact<'a>>,
     labels: Labels<'a, S>,
@@ -175,6 +177,7 @@ impl<'a, const N: usize, S: Float> Near<'a, N, S> {
             across: asked::across(target),
             begun: false,
             seek: None,
+            quartic: false,
             deviation: nearly.deviation,
             chain: nearly.chain,
             labels: Labels { windings, step: steps(nearly.gains.len()), mirrored: nearly.mirrored },

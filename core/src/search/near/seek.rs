@@ -194,8 +194,12 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
     #[cold]
     pub(super) fn sought(&self) -> Option<Result<Solutions<N, S>, IkError<S>>> {
         let seek = self.seek.as_ref()?;
-        let all =
-            seek.complete || (seek.has_pairs() && !seek.crowded && !seek.is_full() && self.asks_for_pose());
+        let all = seek.complete
+            || (seek.has_pairs()
+                && !seek.crowded
+                && !seek.is_full()
+                && self.asks_for_pose()
+                && !self.quartic);
         all.then(|| Ok(seek.found.copied()))
     }
 

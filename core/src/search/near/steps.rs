@@ -241,6 +241,7 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         if self.seek.is_some() {
             return self.search.squares(step, forms, right, unit);
         }
+        self.quartic = true;
         self.doubt_if_adrift(step);
         let [off, _] = self.begin(step);
         // The sums have the step's dimension, their squares twice that.
