@@ -238,10 +238,11 @@ impl<const N: usize, S: Float> Near<'_, N, S> {
         right: S,
         unit: Option<([[S; 3]; 2], [S; 3])>,
     ) -> QuarticRoots<S> {
+        // Also where a step before it was in doubt, so that it is only reached for poses beside the target.
+        self.quartic = true;
         if self.seek.is_some() {
             return self.search.squares(step, forms, right, unit);
         }
-        self.quartic = true;
         self.doubt_if_adrift(step);
         let [off, _] = self.begin(step);
         // The sums have the step's dimension, their squares twice that.
