@@ -47,9 +47,14 @@ pub(crate) struct Arguments {
     /// one is solved at many values of it.
     #[arg(long, value_name = "V1,...", allow_hyphen_values = true)]
     free: Option<List>,
+    /// Of a spherical-roll-spherical arm, the arm angle in place of the free joint's value, in the table's units: by how much
+    /// the elbow is turned about the line from shoulder to wrist, from the side to which the first axis points.
+    #[arg(long, value_name = "ANGLE", allow_hyphen_values = true, conflicts_with_all = ["free", "trace"])]
+    arm_angle: Option<f64>,
     #[command(flatten)]
     target: target::Flags,
-    /// Answer in JSON: solutions (q, errors in m and rad, whether q keeps all limits and rules, its branch) and error.
+    /// Answer in JSON: solutions (q, errors in m and rad, whether q keeps all limits and rules, its branch and, where there is
+    /// one, its arm angle) and error.
     #[arg(long, conflicts_with = "stdin")]
     pub(crate) json: bool,
     /// Print every step with its roots, and what becomes of each candidate.
@@ -81,6 +86,7 @@ Targets, by the problem's `target` (dhc check lists them):
 Examples:
   dhc ik mycobot --problem tool_down --position 150,-100,70
   dhc ik panda --position 0.4,0,0.5 --rpy 3.14159,0,0 --free 0.8
+  dhc ik iiwa14 --position 0.5,0,0.5 --rpy 180,0,0 --arm-angle 20
   dhc ik scara --problem place --position 0.4,0.2,0.3 --yaw 30 --json
   echo '{\"position\": [150, -100, 70]}' | dhc ik mycobot --problem tool_down --stdin";
 
@@ -100,6 +106,7 @@ pub(crate) fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Status, 
     };
     question.weigh(arguments.weights.as_ref().map(|List(weights)| weights.as_slice()), norm)?;
     let free = arguments.free.as_ref().map(|List(free)| free.as_slice());
+    question.turn(arguments.arm_angle)?;
     if arguments.stdin {
         if arguments.free.is_some() {
             question.give(free)?;
@@ -182,6 +189,9 @@ fn json(units: Units<'_>, answers: &[Answer]) -> Json {
         if let Some(row) = answer.free {
             fields.push(("free", (row + 1).into()));
         }
+        if let Some(angle) = answer.arm_angle {
+            fields.push(("arm_angle", units.angle(angle).into()));
+        }
         Json::Object(fields)
     };
     let solutions = answers.iter().map(solution).collect();
@@ -222,6 +232,10 @@ fn list(question: &Question<'_>, answers: &[Answer], out: &mut dyn Write) -> io:
             write!(out, "   {:<1$}", answer.branch, width - 3)?;
         }
         write!(out, "   {}, {}", small(answer.position_error), small(answer.rotation_error))?;
+        if let Some(angle) = answer.arm_angle {
+            let angle = units.show(JointKind::Revolute, units.angle(angle));
+            write!(out, "  arm angle {angle}")?;
+        }
         if !answer.within_limits {
             write!(out, "  breaks limits or rules")?;
         }

@@ -9,6 +9,7 @@
 //! constraints and `where`, and the joint vector that the pose was made from must be among the solutions.
 
 mod agreement;
+mod arm_angle;
 mod constraints;
 mod forward;
 mod inverse;
@@ -272,6 +273,9 @@ impl Verification<'_> {
             free: &function.free,
             windings: &program.windings(),
             reach: self.reach,
+            row_for_arm_angle: self
+                .model
+                .row_for_arm_angle(problem.and_then(|index| self.model.problems.get(index)), &function.free),
         };
         inverse.verify(self.level.of(function), report);
     }

@@ -123,6 +123,32 @@ pub trait Kinematics<S: Float = f64> {
         None
     }
 
+    /// The arm angle of a spherical-roll-spherical arm at these joint values (rad), see [`Redundancy::arm_angle`]; `None` for a
+    /// problem that has none.
+    ///
+    /// # Errors
+    /// Where `q` has the wrong length.
+    fn arm_angle(&self, problem: &str, q: &[S]) -> Result<Option<S>, LengthError> {
+        LengthError::check(self.dof(), q.len())?;
+        Ok(self.redundancy(problem).and_then(|redundancy| redundancy.arm_angle_of(self, q)))
+    }
+
+    /// Every geometric solution of a problem with this arm angle (rad), limits ignored, see [`Redundancy::by_arm_angle`].
+    ///
+    /// # Errors
+    /// Why there is none; `out` is empty then. [`IkError::UnknownProblem`] where the problem has no arm angle.
+    fn ik_by_arm_angle_into(
+        &self,
+        problem: &str,
+        target: &Target<S>,
+        arm_angle: S,
+        out: &mut SolutionSet<S>,
+    ) -> Result<(), IkError<S>> {
+        out.clear();
+        let redundancy = self.redundancy(problem).ok_or(IkError::UnknownProblem)?;
+        redundancy.by_arm_angle_into(self, problem, target, arm_angle, out)
+    }
+
     /// The branch of a problem that joint values (rad or m) are on: that of the solution which they are of the target that they
     /// meet. [`Branch::UNKNOWN`] where they are none, since they don't keep the problem's constraints.
     ///

@@ -1,6 +1,7 @@
 //! Arms with one joint more than their target needs: all of its solutions hang on the value of one joint, which the
 //! caller gives, or which is looked for here.
 
+mod arm_angle;
 mod curve;
 mod forces;
 mod intervals;
@@ -33,6 +34,9 @@ pub struct Redundancy<'a, S = f64> {
     pub whole_pose: bool,
     /// How many values of the free joint [`Redundancy::nearest`] tries over the whole range, where it has to.
     pub samples: u32,
+    /// The free joint's row in the table (0-based) where the arm is spherical-roll-spherical and the problem the full pose, so
+    /// that its solutions can be had by [`Redundancy::by_arm_angle`].
+    pub spherical_roll_spherical: Option<usize>,
 }
 
 /// How many values of the free joint a search for the nearest solution tries.
@@ -89,18 +93,25 @@ impl<S: Float> Range<S> {
 impl<'a, S: Copy> Redundancy<'a, S> {
     /// The full pose of an arm with this reach (m), with this joint (index of q) left to the caller.
     pub const fn of_pose(joint: usize, rules: Rules<'a, S>, reach: S) -> Self {
-        Self { joint, rules, reach, whole_pose: true, samples: SAMPLES }
+        Self { joint, rules, reach, whole_pose: true, samples: SAMPLES, spherical_roll_spherical: None }
     }
 
     /// Another problem that leaves this joint to the caller.
     pub const fn of_problem(joint: usize, rules: Rules<'a, S>, reach: S) -> Self {
-        Self { joint, rules, reach, whole_pose: false, samples: SAMPLES }
+        Self { joint, rules, reach, whole_pose: false, samples: SAMPLES, spherical_roll_spherical: None }
     }
 
     /// The same for a problem without a closed form: [`Redundancy::nearest`] tries few values of the free joint.
-    pub const fn searched(self) -> Self {
-        let Self { joint, rules, reach, whole_pose, .. } = self;
-        Self { joint, rules, reach, whole_pose, samples: FEW_SAMPLES }
+    pub const fn searched(mut self) -> Self {
+        self.samples = FEW_SAMPLES;
+        self
+    }
+
+    /// The same of a spherical-roll-spherical arm whose free joint has this row in the table (0-based): it has an arm angle.
+    /// The first three axes must meet in one point, and the last three, exactly, and joints move with no other.
+    pub const fn spherical_roll_spherical(mut self, row: usize) -> Self {
+        self.spherical_roll_spherical = Some(row);
+        self
     }
 }
 

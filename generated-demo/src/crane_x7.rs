@@ -270,7 +270,8 @@ impl CraneX7 {
     }
 
     /// The joint that `ik_at` leaves to the caller: J3 (rad).
-    pub const REDUNDANCY: Redundancy<'static> = Redundancy::of_pose(2, Self::RULES, REACH);
+    pub const REDUNDANCY: Redundancy<'static> =
+        Redundancy::of_pose(2, Self::RULES, REACH).spherical_roll_spherical(2);
 
     /// [`Self::ik_at`] at 16 values of J3 (rad), spread evenly over its limits (over the whole turn
     /// where these leave it): every geometric solution that brings the tool frame to a pose, limits
@@ -312,6 +313,27 @@ impl CraneX7 {
         let at = |free| solve_pose(target, &[free], None);
         let arm = Arm::new(at, pose_and_jacobian);
         Self::REDUNDANCY.nearest(arm, tool_point, target, seed)
+    }
+
+    /// The arm angle at `q` (rad), rad in (-pi, pi]: by how much the elbow is turned about the line
+    /// from shoulder to wrist, see [`Redundancy`].
+    pub fn arm_angle(&self, q: &[f64; 7]) -> f64 {
+        Self::REDUNDANCY.arm_angle(pose_and_jacobian, q).unwrap_or(f64::NAN)
+    }
+
+    /// Every geometric solution that brings the tool frame to a pose with an arm angle (rad), see
+    /// [`Self::arm_angle`]: limits ignored; joints that turn are in (-pi, pi].
+    ///
+    /// `target`: pose of the tool frame in the base frame (m).
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::ik_at`].
+    pub fn ik_by_arm_angle(&self, target: &Pose, arm_angle: f64) -> Result<Solutions<7>, IkError> {
+        let target = &Target::Pose(target.into());
+        let at = |free| solve_pose(target, &[free], None);
+        let arm = Arm::new(at, pose_and_jacobian);
+        Self::REDUNDANCY.by_arm_angle(arm, target, arm_angle)
     }
 
     /// Follows a path of targets from the joint values `start` (rad): for each the allowed solution

@@ -44,7 +44,7 @@ fn problem(robot: &Robot, index: Option<usize>, name: &str) -> String {
             ]
         })
         .collect();
-    let given = given(robot, function);
+    let given = given(robot, function, index);
     let most = branches(function);
     let way = format!("{}, up to {most} solution{}", way(function), if most == 1 { "" } else { "s" });
     let tried: Vec<String> = left_out(robot, index).map(|why| format!("    before that, {why}\n")).collect();
@@ -53,11 +53,13 @@ fn problem(robot: &Robot, index: Option<usize>, name: &str) -> String {
 }
 
 /// Joints that the caller gives.
-fn given(robot: &Robot, function: &Function) -> String {
+fn given(robot: &Robot, function: &Function, index: Option<usize>) -> String {
     let model = robot.model();
     let rows = function.free.iter().filter_map(|joint| model.rows.get(*model.joints.get(*joint)?));
     let names: Vec<String> = rows.map(|row| clean(&row.name)).collect();
-    if names.is_empty() { String::new() } else { format!("with {} given, ", names.join(", ")) }
+    let problem = index.and_then(|index| model.problems.get(index));
+    let angle = model.row_for_arm_angle(problem, &function.free).map_or("", |_| " or the arm angle");
+    if names.is_empty() { String::new() } else { format!("with {}{angle} given, ", names.join(", ")) }
 }
 
 /// By which method.

@@ -41,7 +41,12 @@ fn row(function: &FunctionReport) -> [String; 4] {
 fn solutions(inverse: &InverseReport) -> String {
     let counts = inverse.solutions.iter().enumerate().filter(|(_, poses)| **poses > 0);
     let counts: Vec<String> = counts.map(|(solutions, poses)| format!("{solutions} at {poses}")).collect();
-    let InverseReport { originals, originals_found, singular, .. } = inverse;
+    let InverseReport { originals, originals_found, singular, arm_angles, .. } = inverse;
     let singular = if *singular == 0 { String::new() } else { format!(" ({singular} more were singular)") };
-    format!("found {originals_found} of {originals} poses again{singular}; solutions: {}", counts.join(", "))
+    let arm_angles =
+        if *arm_angles == 0 { String::new() } else { format!(", {arm_angles} of them by their arm angle") };
+    format!(
+        "found {originals_found} of {originals} poses again{singular}{arm_angles}; solutions: {}",
+        counts.join(", ")
+    )
 }

@@ -25,6 +25,8 @@ pub(crate) struct Answer {
     pub(crate) free: Option<usize>,
     /// "elbow +, wrist -"; empty where there is no choice.
     pub(crate) branch: String,
+    /// rad; of spherical-roll-spherical arms whose problem leaves a joint to the caller.
+    pub(crate) arm_angle: Option<f64>,
 }
 
 /// An inverse problem with what does not change from target to target.
@@ -46,6 +48,8 @@ pub(crate) struct Question<'a> {
     left: &'a [usize],
     /// Their values (rad or m); none where they are to be looked for.
     free: Option<Vec<f64>>,
+    /// The arm angle (rad) that is given in their place.
+    arm_angle: Option<f64>,
     set: SolutionSet,
 }
 
@@ -87,6 +91,7 @@ impl<'a> Question<'a> {
             all,
             left: info.free,
             free: info.free.is_empty().then(Vec::new),
+            arm_angle: None,
             set: SolutionSet::new(),
         })
     }
@@ -100,6 +105,27 @@ impl<'a> Question<'a> {
             (None, [_]) => None,
             (values, left) => Some(self.units().some_joints_in_si(left, values.unwrap_or_default())?),
         };
+        Ok(())
+    }
+
+    /// Takes the arm angle, in the table's units, that stands for the free joint's value.
+    ///
+    /// # Errors
+    /// Where the problem has none, or it is not finite.
+    pub(crate) fn turn(&mut self, arm_angle: Option<f64>) -> Result<(), Failure> {
+        let redundancy = self.arm.redundancy(self.name);
+        let known = redundancy.is_some_and(|redundancy| redundancy.spherical_roll_spherical.is_some());
+        match arm_angle {
+            Some(_) if !known => {
+                let message = format!("the problem `{}` has no arm angle", self.name);
+                let help = "the full pose of a spherical-roll-spherical arm has one, where a joint of shoulder or wrist is left to the caller";
+                return Err(Refusal::new("arm_angle", message).help(help).into());
+            }
+            Some(angle) if !angle.is_finite() => {
+                return Err(Failure::Usage(format!("--arm-angle has {angle}, which is not finite")));
+            }
+            given => self.arm_angle = given.map(|angle| self.units().radians(angle)),
+        }
         Ok(())
     }
 
@@ -150,7 +176,7 @@ impl<'a> Question<'a> {
     /// The free joint that many values are tried of.
     pub(crate) fn swept(&self) -> Option<&'a str> {
         let [joint] = self.left else { return None };
-        self.free.is_none().then(|| self.units().joint(*joint).1)
+        (self.free.is_none() && self.arm_angle.is_none()).then(|| self.units().joint(*joint).1)
     }
 
     /// The name of a row.
@@ -219,6 +245,13 @@ impl<'a> Question<'a> {
 
     /// The solutions.
     pub(crate) fn solve(&mut self, target: &Target) -> Result<Vec<Answer>, IkError> {
+        if let Some(arm_angle) = self.arm_angle {
+            self.arm.ik_by_arm_angle_into(self.name, target, arm_angle, &mut self.set)?;
+            if !self.all {
+                self.keep_allowed()?;
+            }
+            return Ok(self.answers());
+        }
         match (&self.free, self.all) {
             (Some(free), true) => {
                 let seed = seed(&self.near, self.seeded);
@@ -278,6 +311,7 @@ impl<'a> Question<'a> {
             within_limits: self.arm.check(solution.q).is_ok(),
             free: solution.free,
             branch: self.branch(&solution),
+            arm_angle: self.arm.arm_angle(self.name, solution.q).ok().flatten(),
         };
         let mut answers: Vec<Answer> = self.set.iter().map(answer).collect();
         self.sort(&mut answers);

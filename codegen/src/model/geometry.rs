@@ -13,7 +13,7 @@ pub use nominal::{Change, Nominal};
 pub use normal::CommonNormal;
 
 use super::chain::{self, Chain, Element};
-use super::{JointKind, Model, Row};
+use super::{JointKind, Model, Problem, Row};
 pub(super) use normal::Transform;
 
 /// What is parallel or meets to within this is taken to do so: rad, or a fraction of the reach. It is what rounding
@@ -103,7 +103,21 @@ impl Model {
         let rows: Vec<Row> = self.rows.iter().map(|row| holding(row, held)).collect();
         Geometry::of(&chain::build(self.convention, &rows, &self.base, &self.tool), &rows, self.reach())
     }
+
+    /// The row of the joint that the full pose of a spherical-roll-spherical arm leaves to the caller, where an arm angle can
+    /// stand for it: no joint moves with others, and the joint isn't the elbow, which the pose determines.
+    pub fn row_for_arm_angle(&self, problem: Option<&Problem>, free: &[usize]) -> Option<usize> {
+        let [joint] = *free else { return None };
+        let row = *self.joints.get(joint)?;
+        let alone = |row: &Row| matches!(row.terms[..], [(_, factor)] if factor.abs() == 1.0);
+        let apart = self.rows.iter().filter(|row| !row.terms.is_empty()).all(alone);
+        let suits = apart && joint != ELBOW && problem.is_none_or(Problem::is_whole_pose);
+        (suits && self.geometry().is_spherical_roll_spherical()).then_some(row)
+    }
 }
+
+/// The joint between shoulder and wrist of a spherical-roll-spherical arm.
+const ELBOW: usize = 3;
 
 /// A row with the terms of held joints put into its value at zero.
 fn holding(row: &Row, held: &[(usize, f64)]) -> Row {

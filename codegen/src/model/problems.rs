@@ -10,11 +10,23 @@ use crate::table::{self, Text};
 use core::f64::consts::TAU;
 
 /// Names of functions that an arm has besides its problems', after `ik_`.
-const RESERVED: [&str; 11] =
-    ["all", "batch", "track", "free", "at", "near", "sweep", "nearest", "intervals", "into", "within"];
+const RESERVED: [&str; 12] = [
+    "all",
+    "batch",
+    "track",
+    "free",
+    "at",
+    "near",
+    "sweep",
+    "nearest",
+    "intervals",
+    "into",
+    "within",
+    "by_arm_angle",
+];
 
 /// Names that begin with these and an underscore would be variants of another problem's functions.
-const VARIANTS: [&str; 6] = ["all_", "at_", "sweep_", "nearest_", "intervals_", "track_"];
+const VARIANTS: [&str; 7] = ["all_", "at_", "sweep_", "nearest_", "intervals_", "track_", "by_arm_angle_"];
 
 /// Constants that differ by less than this are equal (rad or m).
 const EQUAL: f64 = 1e-9;

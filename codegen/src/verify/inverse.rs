@@ -32,6 +32,8 @@ pub(super) struct Inverse<'v> {
     pub(super) windings: &'v [Winding<'v>],
     /// m
     pub(super) reach: f64,
+    /// [`Model::row_for_arm_angle`]
+    pub(super) row_for_arm_angle: Option<usize>,
 }
 
 impl Inverse<'_> {
@@ -101,7 +103,9 @@ impl Inverse<'_> {
             } else {
                 failure
             }
-        })
+        })?;
+        inverse.arm_angles += usize::from(self.arm_angle(q, target, inverse.arm_angles, smallest)?);
+        Ok(())
     }
 
     /// One returned solution: target, constraints and `where`.

@@ -39,6 +39,8 @@ pub struct InverseReport {
     /// Poses too near a singular one for that to be asked: smallest singular value of the problem's Jacobian under
     /// [`super::SINGULAR`].
     pub singular: usize,
+    /// Poses whose own joint vector was found by its arm angle; 0 where the problem has none.
+    pub arm_angles: usize,
     /// `solutions[n]`: poses that had n solutions.
     pub solutions: Vec<usize>,
     /// Whether an original was lost where there are more solutions than are kept (`dh_core::MAX_SOLUTIONS`).

@@ -49,6 +49,7 @@ impl<S: Float> Redundancy<'_, S> {
         let padded = padded(seed);
         let target = target.validate()?;
         let at = |free| at(arm, problem, &target, free, &padded);
+        let state = |q: &[S; MAX_JOINTS]| state(arm, q);
         let allowed =
             |solutions: Solutions<MAX_JOINTS, S>| solutions.within(&self.rules, point, Some(&padded));
         let swept = self.swept(arm, problem, &target, &padded, allowed);
@@ -56,12 +57,6 @@ impl<S: Float> Redundancy<'_, S> {
             out.fill_padded(dof, swept?);
             return Ok(());
         }
-        let state = |q: &[S; MAX_JOINTS]| {
-            let (q, mut columns) = (q.get(..dof).unwrap_or(q), [[S::ZERO; 6]; MAX_JOINTS]);
-            let nowhere = Frame { translation: [S::NAN; 3], ..Frame::IDENTITY };
-            let tool = arm.jacobian_into(q, &mut columns).and_then(|()| arm.fk(q)).unwrap_or(nowhere);
-            (tool, columns)
-        };
         let nearest = self.nearest(Arm::new(at, state), point, &target, &padded);
         // Either may find what lies between the samples of the other.
         let solutions = match (swept, nearest) {
@@ -76,6 +71,28 @@ impl<S: Float> Redundancy<'_, S> {
             (Err(_), Err(error)) => return Err(error),
         };
         out.fill_padded(dof, solutions);
+        Ok(())
+    }
+
+    /// [`Kinematics::arm_angle`].
+    pub(crate) fn arm_angle_of<K: Kinematics<S> + ?Sized>(&self, arm: &K, q: &[S]) -> Option<S> {
+        self.arm_angle(|q: &[S; MAX_JOINTS]| state(arm, q), &padded(q))
+    }
+
+    /// [`Kinematics::ik_by_arm_angle_into`].
+    pub(crate) fn by_arm_angle_into<K: Kinematics<S> + ?Sized>(
+        &self,
+        arm: &K,
+        problem: &str,
+        target: &Target<S>,
+        arm_angle: S,
+        out: &mut SolutionSet<S>,
+    ) -> Result<(), IkError<S>> {
+        out.clear();
+        let middle = self.rules.middle();
+        let at = |free| at(arm, problem, target, free, &middle);
+        let state = |q: &[S; MAX_JOINTS]| state(arm, q);
+        out.fill_padded(arm.dof(), self.by_arm_angle(Arm::new(at, state), target, arm_angle)?);
         Ok(())
     }
 
@@ -100,6 +117,17 @@ impl<S: Float> Redundancy<'_, S> {
         }
         if all.is_empty() { Err(refusal) } else { Ok(all) }
     }
+}
+
+/// The tool frame and the columns of the Jacobian.
+fn state<K: Kinematics<S> + ?Sized, S: Float>(
+    arm: &K,
+    q: &[S; MAX_JOINTS],
+) -> (Frame<S>, [[S; 6]; MAX_JOINTS]) {
+    let (q, mut columns) = (q.get(..arm.dof()).unwrap_or(q), [[S::ZERO; 6]; MAX_JOINTS]);
+    let nowhere = Frame { translation: [S::NAN; 3], ..Frame::IDENTITY };
+    let tool = arm.jacobian_into(q, &mut columns).and_then(|()| arm.fk(q)).unwrap_or(nowhere);
+    (tool, columns)
 }
 
 /// The solutions with the free joint at a value; what the target leaves free besides is as in the reference.

@@ -4,6 +4,7 @@
 //! among them: a test that rewrites that code must run when it does not compile.
 
 mod agree;
+mod arm_angle;
 mod branch;
 mod cases;
 mod classes;

@@ -115,6 +115,7 @@ fn compare(name: &str, arm: &dyn Kinematics, mut random: Random) -> Result<(), S
     assert_eq!(arm.fingerprint(), interpreter.fingerprint());
     assert_eq!(arm.problems(), interpreter.problems());
     assert_eq!(arm.rules(), interpreter.rules());
+    assert_eq!(arm.redundancy(FULL_POSE), interpreter.redundancy(FULL_POSE));
     // Of seven joints each answer is a sweep and a search of the nearest: minutes where there is no closed form.
     let rounds = match arm.redundancy(FULL_POSE) {
         Some(redundancy) if redundancy.is_searched() => 1..2,
@@ -134,4 +135,19 @@ fn compare(name: &str, arm: &dyn Kinematics, mut random: Random) -> Result<(), S
         assert_eq!(computed(arm, &q, tool), computed(&*interpreter, &q, tool), "{name} at {q:?}");
     }
     Ok(())
+}
+
+#[test]
+fn typed_methods_know_the_arm_angle() {
+    let q = [0.3, 0.5, -0.4, -1.2, 0.7, 0.9, 0.2];
+    let arm_angle = Iiwa14.arm_angle(&q);
+    let interpreter = engine::shipped("iiwa14").unwrap_or_else(|error| panic!("{error}"));
+    let other = interpreter.arm_angle(FULL_POSE, &q).ok().flatten();
+    assert!(other.is_some_and(|other| (other - arm_angle).abs() < 1e-14));
+    let found = Iiwa14.ik_by_arm_angle(&Iiwa14.fk(&q), arm_angle).map(|found| {
+        assert_eq!(found.len(), 8);
+        found.iter().any(|solution| solution.q.iter().zip(q).all(|(own, q)| (own - q).abs() < 1e-12))
+    });
+    assert_eq!(found, Ok(true));
+    assert_eq!(Kinematics::arm_angle(&Panda, FULL_POSE, &q), Ok(None::<f64>));
 }

@@ -21,7 +21,15 @@ impl Printer<'_> {
             && self.find(&FunctionKind::FkJacobian).is_some()
         {
             self.nearest_of_all(text, methods, &free);
+            if self.row_for_arm_angle(methods).is_some() {
+                self.arm_angle(text, methods);
+                self.by_arm_angle(text, methods);
+            }
         }
+    }
+
+    fn row_for_arm_angle(&self, methods: &Methods<'_>) -> Option<usize> {
+        self.model.row_for_arm_angle(methods.problem, &methods.function.free)
     }
 
     fn redundancy_constant(&self, text: &mut Text, methods: &Methods<'_>, joint: usize, free: &str) {
@@ -35,6 +43,9 @@ impl Printer<'_> {
         let kind = if methods.problem.is_none_or(Problem::is_whole_pose) { "of_pose" } else { "of_problem" };
         let parts = [joint.to_string(), "Self::RULES".to_owned(), self.private("REACH").to_owned()];
         let mut value = Expression::Call(format!("{ty}::{kind}"), parts.map(Expression::Atom).to_vec());
+        if let Some(row) = self.row_for_arm_angle(methods) {
+            value = Expression::Atom(format!("{}.spherical_roll_spherical({row})", value.flat()));
+        }
         if methods.function.is_searched() {
             value = Expression::Atom(format!("{}.searched()", value.flat()));
         }
@@ -113,6 +124,53 @@ impl Printer<'_> {
         let state = self.private_name(&FunctionKind::FkJacobian);
         text.line(format!("let arm = {}::new(at, {state});", self.paths.runtime("Arm")));
         text.line(format!("Self::{}.nearest(arm, tool_point, target, seed)", constant_name(methods.problem)));
+        text.close("}");
+    }
+
+    fn arm_angle(&self, text: &mut Text, methods: &Methods<'_>) {
+        let suffix = &methods.suffix;
+        text.gap();
+        text.documentation([
+            format!(
+                "The arm angle at `q` ({}), rad in (-pi, pi]: by how much the elbow is turned about the line from shoulder \
+                 to wrist, see {}.",
+                joint_units(self.model),
+                self.paths.link("Redundancy")
+            ),
+        ]);
+        allow_case(text, suffix);
+        let q = format!("q: &{}", self.joints_type());
+        text.signature(&format!("pub fn arm_angle{suffix}"), &["&self".to_owned(), q], self.scalar());
+        let state = self.private_name(&FunctionKind::FkJacobian);
+        let call = format!("Self::{}.arm_angle({state}, q)", constant_name(methods.problem));
+        text.line(format!("{call}.unwrap_or({}::NAN)", self.scalar()));
+        text.close("}");
+    }
+
+    fn by_arm_angle(&self, text: &mut Text, methods: &Methods<'_>) {
+        let suffix = &methods.suffix;
+        text.gap();
+        text.documentation([
+            format!(
+                "Every geometric solution {} with an arm angle (rad), see [`Self::arm_angle{suffix}`]: limits ignored; \
+                 joints that turn are in (-pi, pi].",
+                methods.purpose()
+            ),
+            format!("{}.", methods.arguments.meaning),
+            "# Errors".to_owned(),
+            format!("As [`Self::ik_at{suffix}`]."),
+        ]);
+        allow_case(text, suffix);
+        let angle = format!("arm_angle: {}", self.scalar());
+        text.signature(
+            &format!("pub fn ik_by_arm_angle{suffix}"),
+            &methods.parameters(Some(angle)),
+            &self.inverse_result(),
+        );
+        target_and_at(text, methods, &self.paths.prelude("None"));
+        let state = self.private_name(&FunctionKind::FkJacobian);
+        text.line(format!("let arm = {}::new(at, {state});", self.paths.runtime("Arm")));
+        text.line(format!("Self::{}.by_arm_angle(arm, target, arm_angle)", constant_name(methods.problem)));
         text.close("}");
     }
 

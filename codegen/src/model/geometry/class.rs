@@ -86,8 +86,9 @@ impl Geometry {
     }
 
     /// Shoulder and wrist of a seven-axis arm, with one axis between them.
-    fn is_spherical_roll_spherical(&self) -> bool {
-        self.axes.len() == 7 && self.at_base().is_some() && self.at_tip().is_some()
+    pub(super) fn is_spherical_roll_spherical(&self) -> bool {
+        let turn = self.axes.iter().all(|axis| axis.kind == JointKind::Revolute);
+        turn && self.axes.len() == 7 && self.at_base().is_some() && self.at_tip().is_some()
     }
 
     fn at_base(&self) -> Option<&[usize]> {

@@ -27,6 +27,8 @@ pub struct Interpreter<'p, S: Float = f64> {
     problems: Vec<ProblemInfo<'p>>,
     /// For each of `problems`, its index in the model, or `None` for the full pose.
     indices: Vec<Option<usize>>,
+    /// For each of `problems`, [`Model::row_for_arm_angle`](crate::model::Model::row_for_arm_angle).
+    rows_for_arm_angles: Vec<Option<usize>>,
 }
 
 /// A forward function with its lowered form.
@@ -49,11 +51,14 @@ impl<'p, S: Float> Interpreter<'p, S> {
         let model = program.model;
         let mut problems = Vec::new();
         let mut indices = Vec::new();
+        let mut rows_for_arm_angles = Vec::new();
         for function in &program.plan.functions {
             let FunctionKind::Inverse(index) = function.kind else {
                 continue;
             };
-            problems.push(match index.and_then(|index| model.problems.get(index)) {
+            let problem = index.and_then(|index| model.problems.get(index));
+            rows_for_arm_angles.push(model.row_for_arm_angle(problem, &function.free));
+            problems.push(match problem {
                 Some(problem) => ProblemInfo {
                     name: &problem.name,
                     target: crate::plan::target_kind(problem.target),
@@ -84,6 +89,7 @@ impl<'p, S: Float> Interpreter<'p, S> {
             windings: robot::windings(program),
             problems,
             indices,
+            rows_for_arm_angles,
         })
     }
 
@@ -230,6 +236,10 @@ impl<S: Float> Kinematics<S> for Interpreter<'_, S> {
             Redundancy::of_pose(*joint, self.rules(), reach)
         } else {
             Redundancy::of_problem(*joint, self.rules(), reach)
+        };
+        let redundancy = match *self.rows_for_arm_angles.get(place)? {
+            Some(row) => redundancy.spherical_roll_spherical(row),
+            None => redundancy,
         };
         let searched =
             self.program.find(&FunctionKind::Inverse(index)).is_some_and(|(names, _)| names.is_searched());
