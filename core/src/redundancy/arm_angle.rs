@@ -10,7 +10,8 @@
 
 use super::{Arm, Redundancy};
 use crate::frame::{add, cross, dot, matrix_product, matrix_vector, norm, sub, transpose};
-use crate::{Float, Frame, IkError, Solutions, Target, TargetKind};
+use crate::solutions::travel;
+use crate::{Float, Frame, IkError, Solution, Solutions, Target, TargetKind};
 
 /// Joints of such an arm; the fourth is the elbow, with three before and behind it.
 const JOINTS: usize = 7;
@@ -55,10 +56,22 @@ struct Shape<S> {
 
 /// A value of the free joint that may have the arm angle.
 #[derive(Clone, Copy)]
-struct Value<S> {
+struct Choice<S> {
     value: S,
+    /// The fourth joint there (rad).
+    elbow: S,
     /// Whether any other has it too: the first and the last of three axes are on one line.
     any: bool,
+}
+
+/// What an arm angle is to a solution.
+#[derive(Clone, Copy)]
+enum Verdict<S> {
+    Has,
+    /// It has it as far as can be told.
+    MayHave,
+    /// By how much (rad).
+    Differs(S),
 }
 
 impl<S: Float> Redundancy<'_, S> {
@@ -108,24 +121,32 @@ impl<S: Float> Redundancy<'_, S> {
         let (mut all, mut doubtful) = (Solutions::EMPTY, Solutions::EMPTY);
         let mut refusal = None;
         let mut nearest = S::PI;
-        for Value { value, any } in shape.values(self.joint, &pose, arm_angle).into_iter().flatten() {
-            match at(value) {
-                Ok(solutions) => {
-                    for mut solution in solutions {
-                        solution.free = solution.free.or(row.filter(|_| any));
-                        let apart = (shape.arm_angle(&solution.q) - arm_angle).wrap_angle().abs();
-                        let same = shape.tolerance(self.joint, &solution.q);
-                        let is_straight = shape.is_straight(&solution.q);
-                        if apart <= same || (is_straight && S::PI - apart <= same) {
-                            all.push(solution, self.rules.windings);
-                        } else if is_straight || apart <= S::from_f64(DOUBTFUL) * S::SQRT_EPSILON.sqrt() {
-                            doubtful.push(solution, self.rules.windings);
-                        } else {
-                            nearest = nearest.min(apart);
-                        }
-                    }
+        for Choice { value, elbow, any } in shape.values(self.joint, &pose, arm_angle) {
+            let solutions = match at(value) {
+                Ok(solutions) => solutions,
+                Err(error) => {
+                    refusal = Some(error);
+                    continue;
                 }
-                Err(error) => refusal = Some(error),
+            };
+            // Solutions that differ in the wrist have one arm angle, and mostly follow each other.
+            let mut latest: Option<([S; 4], Verdict<S>)> = None;
+            for solution in &solutions {
+                let Some(arm @ [.., own]) = solution.q.first_chunk::<4>() else { continue };
+                // The elbow bent the other way has the arm angle at another of the values.
+                if (*own - elbow).wrap_angle().abs() > doubtful_angle() {
+                    continue;
+                }
+                let known = latest.filter(|(other, _)| travel(arm, other) <= S::EPSILON * S::EPSILON);
+                let verdict =
+                    known.map_or_else(|| shape.judge(self.joint, &solution.q, arm_angle), |known| known.1);
+                latest = Some((*arm, verdict));
+                let solution = Solution { free: solution.free.or(row.filter(|_| any)), ..*solution };
+                match verdict {
+                    Verdict::Has => all.push(solution, self.rules.windings),
+                    Verdict::MayHave => doubtful.push(solution, self.rules.windings),
+                    Verdict::Differs(apart) => nearest = nearest.min(apart),
+                }
             }
         }
         let found = if all.is_empty() { doubtful } else { all };
@@ -142,6 +163,10 @@ impl<S: Float> Redundancy<'_, S> {
 
 fn nothing<S: Float>() -> S {
     S::from_f64(NOTHING) * S::EPSILON
+}
+
+fn doubtful_angle<S: Float>() -> S {
+    S::from_f64(DOUBTFUL) * S::SQRT_EPSILON.sqrt()
 }
 
 fn on_one_line<S: Float>() -> S {
@@ -202,13 +227,33 @@ impl<S: Float> Shape<S> {
         angle_about(unit(to_wrist), self.reference(to_wrist), to_elbow)
     }
 
-    /// By how much the arm angle may differ where the free joint's value has been given (rad).
-    fn tolerance(&self, joint: usize, q: &[S]) -> S {
+    /// Whether these joint values have an arm angle. Of a straight arm, whose elbow is bent one way or the other by what rounding
+    /// leaves, it may be the opposite one.
+    fn judge(&self, joint: usize, q: &[S], arm_angle: S) -> Verdict<S> {
+        let apart = (self.arm_angle(q) - arm_angle).wrap_angle().abs();
+        let same = S::from_f64(SAME) * S::SQRT_EPSILON;
+        if apart <= same {
+            return Verdict::Has;
+        }
+        let is_straight = self.is_straight(q);
+        let near = apart <= doubtful_angle();
+        if is_straight && S::PI - apart <= same {
+            Verdict::Has
+        } else if !is_straight && !near {
+            Verdict::Differs(apart)
+        } else if apart <= same + S::from_f64(MET) * S::EPSILON / self.sine(joint, q) {
+            Verdict::Has
+        } else {
+            Verdict::MayHave
+        }
+    }
+
+    /// The sine between the first and the last of the three axes that a joint belongs to.
+    fn sine(&self, joint: usize, q: &[S]) -> S {
         let first = if joint < ELBOW { 0 } else { ELBOW + 1 };
         let middle = q.get(first + 1).copied().unwrap_or(S::ZERO);
         let last = matrix_vector(&turn_about(self.axis(first + 1), middle), self.axis(first + 2));
-        let sine = norm(cross(self.axis(first), last)).max(on_one_line());
-        S::from_f64(SAME) * S::SQRT_EPSILON + S::from_f64(MET) * S::EPSILON / sine
+        norm(cross(self.axis(first), last)).max(on_one_line())
     }
 
     /// Whether the elbow is on the line from shoulder to wrist, as far as a double root for it tells, or the wrist on the shoulder.
@@ -226,7 +271,7 @@ impl<S: Float> Shape<S> {
     }
 
     /// Values of a joint at which the arm may have this arm angle at this pose, two for each of the elbow's.
-    fn values(&self, joint: usize, pose: &Frame<S>, arm_angle: S) -> [Option<Value<S>>; 4] {
+    fn values(&self, joint: usize, pose: &Frame<S>, arm_angle: S) -> [Choice<S>; 4] {
         let home = self.tool.inverse().transform_point(self.wrist);
         let to_wrist = sub(pose.transform_point(home), self.shoulder);
         let zero = self.reference(to_wrist);
@@ -236,16 +281,17 @@ impl<S: Float> Shape<S> {
         let at_elbow = |elbow: S| {
             let (to_wrist, to_elbow) = self.plane(elbow);
             let shoulder = matrix_product(&wanted, &transpose(&frame(to_wrist, to_elbow)));
-            if joint < ELBOW {
-                return self.roots(0, joint, &shoulder);
-            }
-            let before = matrix_product(&shoulder, &turn_about(self.axis(ELBOW), elbow));
-            let tool = matrix_product(&pose.rotation, &transpose(&self.tool.rotation));
-            self.roots(ELBOW + 1, joint, &matrix_product(&transpose(&before), &tool))
+            let roots = if joint < ELBOW {
+                self.roots(0, joint, &shoulder)
+            } else {
+                let before = matrix_product(&shoulder, &turn_about(self.axis(ELBOW), elbow));
+                let tool = matrix_product(&pose.rotation, &transpose(&self.tool.rotation));
+                self.roots(ELBOW + 1, joint, &matrix_product(&transpose(&before), &tool))
+            };
+            roots.map(|(value, any)| Choice { value, elbow, any })
         };
-        let [one, two] = self.elbows(dot(to_wrist, to_wrist)).map(at_elbow);
-        let ([a, b], [c, d]) = (one, two);
-        [a, b, c, d].map(Some)
+        let [[a, b], [c, d]] = self.elbows(dot(to_wrist, to_wrist)).map(at_elbow);
+        [a, b, c, d]
     }
 
     /// The two values of the fourth joint for the square of a distance of the wrist from the shoulder (m²). What is out of reach
@@ -259,15 +305,15 @@ impl<S: Float> Shape<S> {
         roots(cosine, sine, (squared - rest) / S::TWO)
     }
 
-    /// The two values of a joint of three that turn as given.
-    fn roots(&self, first: usize, joint: usize, turn: &Matrix<S>) -> [Value<S>; 2] {
+    /// The two values of a joint of three that turn as given, and whether any other would do.
+    fn roots(&self, first: usize, joint: usize, turn: &Matrix<S>) -> [(S, bool); 2] {
         let (one, two, three) = (self.axis(first), self.axis(first + 1), self.axis(first + 2));
         let along = dot(one, two) * dot(two, three);
         let wanted = dot(one, matrix_vector(turn, three));
         let middle = roots(dot(one, three) - along, dot(one, cross(two, three)), wanted - along);
         middle.map(|middle| {
             if joint == first + 1 {
-                return Value { value: middle, any: false };
+                return (middle, false);
             }
             // Either end's axis, as the other end of the turn sees it, tells by how much this one turns.
             let (axis, from, to) = if joint == first {
@@ -277,7 +323,7 @@ impl<S: Float> Shape<S> {
                 (three, matrix_vector(&transpose(turn), one), from)
             };
             let any = norm(cross(axis, from)) <= on_one_line();
-            Value { value: if any { S::ZERO } else { angle_about(axis, from, to) }, any }
+            (if any { S::ZERO } else { angle_about(axis, from, to) }, any)
         })
     }
 }
