@@ -83,7 +83,8 @@ pub fn compile(text: &str, level: Level) -> Compilation {
                 verify::verify_or_else(&model, plan, level, next, &mut diagnostics)
             };
             if level != Level::Quick {
-                verify::confirm(&model, &mut plan, level, |function| plan::second(&model, function));
+                let second = |function: &_| plan::second(&model, function);
+                verify::confirm(&model, &mut plan, level, second, &mut diagnostics);
             }
             Some(Output { model, plan, report, unsolved })
         }

@@ -126,6 +126,8 @@ pub struct Agreement {
     pub poses: usize,
     /// At how many of them they found the same solutions.
     pub agreed: usize,
+    /// How many solutions the other one found that meet their target at regular poses, and are not among those of the function.
+    pub missing: usize,
 }
 
 /// Sum of coefficient * joint value, and a constant.

@@ -140,9 +140,37 @@ pub fn verify_or_else(
 }
 
 /// Notes for every inverse function of a plan how often another method finds the same solutions: another function of the
-/// same problem where `second` gives one, else Newton's method from many places.
-pub fn confirm(model: &Model, plan: &mut Plan, level: Level, second: impl Fn(&Function) -> Option<Function>) {
+/// same problem where `second` gives one, else Newton's method from many places. Where that finds solutions which the function
+/// lacks, there is a warning; the function stays, since macros, which don't wait for another method, have the same one.
+pub fn confirm(
+    model: &Model,
+    plan: &mut Plan,
+    level: Level,
+    second: impl Fn(&Function) -> Option<Function>,
+    diagnostics: &mut Diagnostics,
+) {
     agreement::confirm(model, plan, level, second);
+    for function in &plan.functions {
+        let Some(agreement) = function.agreement.as_ref().filter(|agreement| agreement.missing > 0) else {
+            continue;
+        };
+        let name = name(model, &function.kind, &function.free);
+        let plural = if agreement.missing == 1 { "" } else { "s" };
+        let message = format!(
+            "`{name}` lacks {} solution{plural} of {} random poses that another method ({}) finds",
+            agreement.missing, agreement.poses, agreement.method
+        );
+        let warning = Diagnostic::warning(VERIFICATION, message).help(
+            "what it returns is verified; that it returns every solution is not so for this arm. This is a mistake of the compiler, not of the table; please report it together with the table",
+        );
+        diagnostics.push(match function.kind {
+            FunctionKind::Inverse(Some(index)) => match model.problems.get(index) {
+                Some(problem) => warning.at(problem.span.clone(), "solutions of this problem are missing"),
+                None => warning,
+            },
+            _ => warning,
+        });
+    }
 }
 
 /// Where the smallest singular value (m/rad, 1, ...) of a problem's Jacobian is less than this at most poses, its joints are too many for

@@ -17,13 +17,15 @@ pub(super) fn written(robot: &Robot) -> String {
 
 /// What another method says of a function that was kept.
 fn agreement(robot: &Robot, function: &Function) -> Option<String> {
-    let Agreement { method, poses, agreed } = function.agreement.as_ref()?;
+    let Agreement { method, poses, agreed, missing } = function.agreement.as_ref()?;
+    let missing =
+        if *missing == 0 { String::new() } else { format!("; it finds {missing} that are missing") };
     let report = robot.output.report.functions.iter();
     let report = report.rev().find(|report| report.kind == function.kind && report.failure.is_none())?;
     let name = &report.name;
     let method = clean(method);
     Some(format!(
-        "    {name}: another method ({method}) finds the same solutions at {agreed} of {poses} random poses\n"
+        "    {name}: another method ({method}) finds the same solutions at {agreed} of {poses} random poses{missing}\n"
     ))
 }
 

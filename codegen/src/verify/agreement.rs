@@ -4,7 +4,7 @@ use super::constraints::Constraints;
 use super::newton::Newton;
 use super::prescribed::target_of;
 use super::where_clause::Wheres;
-use super::{Level, inverse, poses, reference};
+use super::{Level, RESIDUAL, inverse, poses, reference};
 use crate::model::{self, Model};
 use crate::plan::eval::{Given, Program};
 use crate::plan::{Agreement, Function, FunctionKind, Plan};
@@ -24,6 +24,9 @@ const PART: usize = 100;
 
 /// Solutions that are nearer than this (rad or m) are one: less accurate next to singular poses than elsewhere.
 const SAME: f64 = 1e-5;
+
+/// Where the smallest singular value of the problem's Jacobian is greater than this, solutions are as accurate as that.
+const REGULAR: f64 = 1e-4;
 
 /// Notes for every inverse function how often another method finds the same solutions at random poses: another function of
 /// the same problem where `other` gives one, else Newton's method.
@@ -130,7 +133,7 @@ impl<'v> Comparison<'v> {
             Level::Poses(random) => least.max(random as usize / PART).min(random as usize),
             _ => least,
         };
-        let mut agreement = Agreement { method, poses: 0, agreed: 0 };
+        let mut agreement = Agreement { method, poses: 0, agreed: 0, missing: 0 };
         // The first ones are random.
         for (number, q) in poses.iter().take(most).enumerate() {
             let tool = reference::tool(self.model, q);
@@ -145,9 +148,32 @@ impl<'v> Comparison<'v> {
             };
             agreement.poses += 1;
             let same = own.len() == other.len() && own.iter().all(|q| among(q, &other));
-            agreement.agreed += usize::from(same && other.iter().all(|q| among(q, &own)));
+            let further: Vec<&Vec<f64>> = other.iter().filter(|q| !among(q, &own)).collect();
+            agreement.agreed += usize::from(same && further.is_empty());
+            agreement.missing +=
+                further.into_iter().filter(|q| self.is_regular(q, &target, &windings)).count();
         }
         agreement
+    }
+
+    /// Whether joint values meet a target, in all that the problem asks for, and stand alone.
+    fn is_regular(&self, q: &[f64], target: &Target<f64>, windings: &[Winding<'_>]) -> bool {
+        let (position, rotation) = target.errors(&reference::tool(self.model, q));
+        let problem = inverse::Inverse {
+            model: self.model,
+            program: self.own,
+            problem: self.problem,
+            constraints: &self.constraints,
+            free: self.free,
+            windings,
+            reach: self.reach,
+            row_for_arm_angle: None,
+        };
+        position <= RESIDUAL * self.reach
+            && rotation <= RESIDUAL
+            && self.constraints.excess(q) <= RESIDUAL
+            && self.wheres.clearly_keep(q)
+            && problem.smallest_singular_value(q, target) > REGULAR
     }
 
     /// Joint values of every solution of a function, and whether none of them leaves a joint free, of which any value would
@@ -174,6 +200,21 @@ mod tests {
 
     const TWO: &str = "[robot]\nname = \"two\"\nconvention = \"standard\"\n[[joint]]\na = 0.5\n[[joint]]\na = 0.4\n\
         [[ik]]\nname = \"xy\"\ntarget = \"xy\"\n";
+
+    #[test]
+    fn what_a_function_lacks_is_missing_where_it_is_regular_and_meets_the_target() {
+        let output = crate::compile(TWO, Level::Quick).output.unwrap();
+        let one = format!("{TWO}where = [\"theta2 > 0\"]\n");
+        let one = crate::compile(&one, Level::Quick).output.unwrap();
+        let missing = |own: &crate::Output| {
+            let own = Program::new(&own.model, &own.plan).unwrap();
+            let newton =
+                Comparison::new(&output.model, Some(0), &[], &own, Level::Full).with_newton().unwrap();
+            (newton.agreed, newton.missing)
+        };
+        assert_eq!(missing(&output), (8, 0));
+        assert_eq!(missing(&one), (0, 8));
+    }
 
     #[test]
     fn what_one_method_lacks_or_has_elsewhere_is_counted() {

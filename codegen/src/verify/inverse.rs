@@ -156,7 +156,7 @@ impl Inverse<'_> {
 
     /// The smallest singular value of how the prescribed numbers change with the unknowns (m/rad, 1, ...), by central
     /// differences of the product of the rows.
-    fn smallest_singular_value(&self, q: &[f64], target: &Target<f64>) -> f64 {
+    pub(super) fn smallest_singular_value(&self, q: &[f64], target: &Target<f64>) -> f64 {
         let unknowns = self.constraints.independent.iter().filter(|joint| !self.free.contains(joint));
         let column = |joint: &usize| {
             let direction = self.constraints.direction(*joint, q.len());

@@ -87,7 +87,7 @@ fn classes_of_five_joints_have_a_closed_form_that_another_method_confirms() {
             let aim = aim.unwrap_or_else(|| panic!("{class}\n{table}"));
             let at_once = |step: &Step| matches!(step, Step::General { .. } | Step::Descents { .. });
             assert!(!aim.steps.iter().any(at_once), "{class}\n{table}");
-            let Some(Agreement { method, poses, agreed }) = &aim.agreement else {
+            let Some(Agreement { method, poses, agreed, .. }) = &aim.agreement else {
                 panic!("{class}\n{table}")
             };
             assert_eq!(poses, agreed, "{class}: {method}\n{table}");

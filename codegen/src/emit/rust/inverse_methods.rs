@@ -238,9 +238,11 @@ fn row_unit(row: &crate::model::Row) -> &'static str {
 
 /// What another method says.
 fn agreement(agreement: &Agreement) -> String {
-    let Agreement { method, poses, agreed } = agreement;
+    let Agreement { method, poses, agreed, missing } = agreement;
+    let missing =
+        if *missing == 0 { String::new() } else { format!(" It finds {missing} that are missing here.") };
     format!(
-        "Another method ({}) finds the same solutions at {agreed} of {poses} random poses.",
+        "Another method ({}) finds the same solutions at {agreed} of {poses} random poses.{missing}",
         clean(method)
     )
 }
