@@ -32,8 +32,9 @@ pub(super) fn full_pose(model: &Model, constants: &mut Constants) -> Option<Func
         1 => redundancy::joints(&nominal.model).into_iter().map(|joint| vec![joint]).collect(),
         _ => return None,
     };
+    let deviation = deviation(model, &nominal.model)?;
     let (problem, derivation) = inverse::least(&nominal.model, free).ok()?;
-    function(model, &nominal, None, &problem, derivation, constants)
+    function(model, &nominal, deviation, None, &problem, derivation, constants)
 }
 
 /// A problem of the table (an index into `Model::problems`).
@@ -50,13 +51,15 @@ pub(super) fn problem(
     } else {
         model.nominal()?
     };
+    let deviation = deviation(model, &nominal.model)?;
     let derivation = inverse_kinematics::derive(&nominal.model, problem).ok()?;
-    function(model, &nominal, Some(index), problem, derivation, constants)
+    function(model, &nominal, deviation, Some(index), problem, derivation, constants)
 }
 
 fn function(
     model: &Model,
     nominal: &Nominal,
+    deviation: f64,
     index: Option<usize>,
     problem: &Problem,
     mut derivation: Derivation,
@@ -68,10 +71,6 @@ fn function(
     }
     let moves = Moves::of(model, problem)?;
     if matches!(problem.target, Target::PositionYaw | Target::XyYaw) && !keeps_level(model, &moves) {
-        return None;
-    }
-    let deviation = deviation(model, &nominal.model);
-    if deviation > FARTHEST {
         return None;
     }
     let otherwise = otherwise(model, index, problem).ok()?;
@@ -187,8 +186,9 @@ fn keeps_level(model: &Model, moves: &Moves) -> bool {
     })
 }
 
-/// How far apart the tool frames of two arms are at the same joint values (reaches, rad), at most.
-fn deviation(model: &Model, nominal: &Model) -> f64 {
+/// How far apart the tool frames of two arms are at the same joint values (reaches, rad), at most; `None` where that is too far.
+/// Asked first, since it is less work than to derive anything.
+fn deviation(model: &Model, nominal: &Model) -> Option<f64> {
     let reach = model.reach();
     let mut most = 0.0_f64;
     for sample in 0..SAMPLES {
@@ -197,8 +197,11 @@ fn deviation(model: &Model, nominal: &Model) -> f64 {
         let away = one.translation.iter().zip(other.translation).map(|(a, b)| (a - b) * (a - b));
         let away = away.sum::<f64>().sqrt() / if reach > 0.0 { reach } else { 1.0 };
         most = most.max(away).max(rotation_error(&one.rotation, &other.rotation));
+        if most > FARTHEST {
+            return None;
+        }
     }
-    most
+    Some(most)
 }
 
 /// Any irrational steps will do.
