@@ -3,7 +3,7 @@
 use super::atoms::{AngleData, Atoms, Source};
 use super::closure::{Equation, Origin};
 use super::polynomial::{Atom, Overflow, Polynomial};
-use super::reading::{Reading, Simple};
+use super::reading::{Simple, simple};
 use super::search::{Class, Found, Solved, State, Unknown};
 use crate::symbolic::expression::Arena;
 use crate::symbolic::number::Number;
@@ -25,7 +25,7 @@ struct Lone {
 
 /// All steps that can be taken next.
 pub(super) fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>, Overflow> {
-    let read = |equation: &Equation| Reading::new(&equation.polynomial, &state.open);
+    let read = |equation: &Equation| simple(&equation.polynomial, &state.open);
     let mut readings = state.equations.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     let known: Vec<Polynomial> =
         state.equations.iter().map(|equation| state.open.known(&equation.polynomial)).collect();
@@ -36,7 +36,7 @@ pub(super) fn candidates(arena: &Arena, state: &mut State) -> Result<Vec<Found>,
     let mut lone: Vec<Lone> = Vec::new();
     let State { equations, samples, atoms, .. } = state;
     for (equation, reading) in equations.iter().chain(&squares).zip(readings) {
-        let Some(simple) = reading.simple()? else { continue };
+        let Some(simple) = reading else { continue };
         let values = match &simple {
             Simple::Trig { a, b, .. } => {
                 samples.iter_mut().map(|sample| [a, b].map(|form| sample.value(arena, atoms, form))).collect()

@@ -30,6 +30,18 @@ impl Open {
         polynomial.terms().all(|(key, _)| self.knows_term(key))
     }
 
+    /// Whether the unknown terms of an equation are of one angle, or of none. Terms of different angles never cancel, so that
+    /// all others have more than one unknown, and need not be read.
+    fn may_be_simple(&self, equation: &Polynomial) -> bool {
+        let mut unknown = equation.terms().map(|(key, _)| key).filter(|key| !self.knows_term(key));
+        let Some(first) = unknown.next() else { return false };
+        let multiple = |key: &Key, angle: usize| key.frequency.get(angle).copied().unwrap_or(0);
+        let same = |key: &Key, sign: i16| {
+            self.angles.iter().all(|angle| multiple(key, *angle) == sign * multiple(first, *angle))
+        };
+        unknown.all(|key| same(key, 1) || same(key, -1))
+    }
+
     fn knows_term(&self, key: &Key) -> bool {
         self.angles.iter().all(|angle| key.frequency.get(*angle).is_none_or(|k| *k == 0))
             && key.monomial.iter().all(|(atom, _)| !self.slides.contains(atom))
@@ -52,6 +64,11 @@ pub(super) enum Simple {
     Trig { frequency: Vec<i16>, a: Polynomial, b: Polynomial, c: Polynomial },
     /// a x^2 + b x + c = 0 of this slide.
     Slide { slide: Atom, a: Polynomial, b: Polynomial, c: Polynomial },
+}
+
+/// The equation in one unknown that an equation is, if it is one.
+pub(super) fn simple(equation: &Polynomial, open: &Open) -> Result<Option<Simple>, Overflow> {
+    if open.may_be_simple(equation) { Reading::new(equation, open)?.simple() } else { Ok(None) }
 }
 
 impl Reading {
@@ -99,8 +116,7 @@ impl Reading {
         part.map_or_else(Polynomial::zero, |(_, [cos, _])| cos.clone())
     }
 
-    /// The equation in one unknown that this is, if it is one.
-    pub(super) fn simple(&self) -> Result<Option<Simple>, Overflow> {
+    fn simple(&self) -> Result<Option<Simple>, Overflow> {
         let minus = Number::integer(-1);
         let constant = self.constant();
         let unknown: Vec<_> = self
