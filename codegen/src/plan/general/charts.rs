@@ -46,24 +46,31 @@ fn best(chain: &GeneralChain, cuts: &[(u8, bool)]) -> (Vec<Chart>, f64) {
     let mut random = Random::new();
     let most = ROUNDS.iter().map(|(poses, _)| *poses).max().unwrap_or_default();
     let trials: Vec<Trial<'_>> = (0..most).filter_map(|_| random.trial(chain)).collect();
-    let mut charts: Vec<(Chart, f64)> = Vec::new();
-    charts.extend(
-        candidates(chain, cuts).into_iter().filter_map(|chart| Some((with_degree(chart, &trials)?, 0.0))),
-    );
+    let charts = candidates(chain, cuts).into_iter().filter_map(|chart| with_degree(chart, &trials));
+    let mut charts: Vec<Tried> = charts.map(Tried::new).collect();
     for (poses, promising) in ROUNDS {
         let trials = trials.get(..poses).unwrap_or(&trials);
-        charts.retain_mut(|(chart, badness)| score(*chart, trials).map(|score| *badness = score).is_some());
-        charts.sort_by(|a, b| a.1.total_cmp(&b.1));
-        charts.truncate(promising);
+        let mut better: Vec<Tried> = Vec::new();
+        for mut tried in charts {
+            // One that can't be kept is not tried to the end.
+            let last = if poses < most {
+                better.get(promising - 1)
+            } else {
+                better.iter().find(|other| fail_together(other.chart, tried.chart))
+            };
+            if tried.on(trials, last.map_or(f64::INFINITY, |last| last.badness)) {
+                let place = better.partition_point(|other| other.badness <= tried.badness);
+                better.insert(place, tried);
+            }
+        }
+        better.truncate(promising);
+        charts = better;
     }
     let mut kept: Vec<Chart> = Vec::new();
     let nothing = trials.len() as f64 * MISSED;
     let mut together = KEPT as f64 * nothing;
-    for (chart, badness) in charts {
-        // Charts of the same hidden joint fail at the same poses.
-        let known =
-            kept.iter().any(|other| other.unknown() == chart.unknown() && other.dropped == chart.dropped);
-        if !known && kept.len() < KEPT {
+    for Tried { chart, badness, .. } in charts {
+        if kept.len() < KEPT && !kept.iter().any(|other| fail_together(*other, chart)) {
             kept.push(chart);
             together += badness - nothing;
         }
@@ -124,30 +131,64 @@ fn with_degree(chart: Chart, trials: &[Trial<'_>]) -> Option<Chart> {
     })
 }
 
-/// How badly a chart does: joint values that were not found, doubts, digits and degree. `None` where
-/// it finds fewer than half.
-fn score(chart: Chart, trials: &[Trial<'_>]) -> Option<f64> {
-    let mut hits = 0;
-    let mut badness = f64::from(chart.degree) * WORK * trials.len() as f64;
-    for Trial { six, q, pose } in trials {
-        let mut found = false;
-        let outcome = six.solve_in(chart, pose, &mut |solution, _| {
-            let apart = |((a, b), slides): ((&f64, &f64), &bool)| {
-                let apart = a - b;
-                let turn = std::f64::consts::TAU;
-                (if *slides { apart } else { apart - turn * libm::round(apart / turn) }).abs()
-            };
-            found |= solution.iter().zip(q).zip(&six.prismatic).map(apart).fold(0.0, f64::max) < 1e-6;
-        });
-        hits += usize::from(found);
-        badness += match (found, outcome.doubtful) {
-            (_, true) => 1.0,
-            (true, false) => 0.0,
-            (false, false) => MISSED,
-        };
-        badness += DIGIT * (16.0 + libm::log10(outcome.moved.clamp(1e-16, 1.0)));
+/// Charts of the same hidden joint fail at the same poses.
+fn fail_together(a: Chart, b: Chart) -> bool {
+    a.unknown() == b.unknown() && a.dropped == b.dropped
+}
+
+/// A chart, and how it does.
+struct Tried {
+    chart: Chart,
+    /// Of every pose that it was tried on: whether the joint values were found, and what counts against it.
+    outcomes: Vec<(bool, [f64; 2])>,
+    /// How badly it does: joint values that were not found, doubts, digits and degree.
+    badness: f64,
+}
+
+impl Tried {
+    fn new(chart: Chart) -> Self {
+        Self { chart, outcomes: Vec::new(), badness: 0.0 }
     }
-    (2 * hits >= trials.len()).then_some(badness)
+
+    /// Tries it on more poses. False where it finds fewer than half, or as soon as it is worse than `limit`.
+    fn on(&mut self, trials: &[Trial<'_>], limit: f64) -> bool {
+        let mut hits = 0;
+        self.badness = f64::from(self.chart.degree) * WORK * trials.len() as f64;
+        for (place, trial) in trials.iter().enumerate() {
+            if self.badness > limit {
+                return false;
+            }
+            let known = self.outcomes.get(place).copied();
+            let (found, against) = known.unwrap_or_else(|| outcome(self.chart, trial));
+            if known.is_none() {
+                self.outcomes.push((found, against));
+            }
+            hits += usize::from(found);
+            for cost in against {
+                self.badness += cost;
+            }
+        }
+        2 * hits >= trials.len()
+    }
+}
+
+/// Whether the chart finds the joint values, what it misses or doubts, and digits.
+fn outcome(chart: Chart, Trial { six, q, pose }: &Trial<'_>) -> (bool, [f64; 2]) {
+    let mut found = false;
+    let outcome = six.solve_in(chart, pose, &mut |solution, _| {
+        let apart = |((a, b), slides): ((&f64, &f64), &bool)| {
+            let apart = a - b;
+            let turn = std::f64::consts::TAU;
+            (if *slides { apart } else { apart - turn * libm::round(apart / turn) }).abs()
+        };
+        found |= solution.iter().zip(q).zip(&six.prismatic).map(apart).fold(0.0, f64::max) < 1e-6;
+    });
+    let missed = match (found, outcome.doubtful) {
+        (_, true) => 1.0,
+        (true, false) => 0.0,
+        (false, false) => MISSED,
+    };
+    (found, [missed, DIGIT * (16.0 + libm::log10(outcome.moved.clamp(1e-16, 1.0)))])
 }
 
 /// A linear congruential generator \[Knuth, TAOCP 2, §3.3.4\]: the same poses on every host.
