@@ -6,7 +6,9 @@ use super::{Equation, Function, FunctionKind, Measure, Scalar, Stage, Step};
 use super::{descents, near};
 use crate::model::{Model, Problem, Target};
 use crate::symbolic::expression::Expr;
-use crate::symbolic::inverse_kinematics::{self, Derivation, Linear, OfVector, Refusal, StageEquation};
+use crate::symbolic::inverse_kinematics::{
+    self, Closures, Derivation, Linear, OfVector, Refusal, StageEquation,
+};
 use crate::symbolic::redundancy;
 use dh_core::FULL_POSE;
 
@@ -98,9 +100,10 @@ pub(super) fn least(
 ) -> Result<(Problem, Derivation), Refusal> {
     let mut best: Option<(Problem, Derivation)> = None;
     let mut refused = Refusal::NoClosedForm;
+    let mut closures = Closures::of(model);
     for free in free {
         let problem = full_pose(free);
-        match inverse_kinematics::derive(model, &problem) {
+        match inverse_kinematics::derive_with(&mut closures, &problem) {
             Ok(derivation) => {
                 let branches = derivation.branches();
                 if best.as_ref().is_none_or(|(_, least)| branches < least.branches()) {

@@ -9,6 +9,7 @@ mod atoms;
 mod candidates;
 mod circuit;
 mod closure;
+mod closures;
 mod elimination;
 mod expansion;
 /// Problems without a closed form as chains of six joints.
@@ -30,6 +31,7 @@ mod writing;
 
 use super::expression::{Arena, Expr};
 use crate::model::{Chain, JointKind, Model, Problem, Target};
+pub use closures::Closures;
 pub use refusal::{Idle, Refusal};
 use search::Steps;
 use tracked::Seen;
@@ -180,10 +182,19 @@ impl StageEquation {
 /// # Errors
 /// Says why there is none in closed form.
 pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
+    derive_with(&mut Closures::of(model), problem)
+}
+
+/// The same with equations that problems may share.
+///
+/// # Errors
+/// Says why there is none in closed form.
+pub fn derive_with(closures: &mut Closures<'_>, problem: &Problem) -> Result<Derivation, Refusal> {
+    let model = closures.model;
     refusal::by_a_fraction(&problem.constraints)?;
     let unknowns = unknowns::eliminate(model, &problem.constraints, &problem.free)
         .map_err(|trouble| Refusal::of(trouble, model))?;
-    let mut outcome = from_ends(model, problem, &unknowns, Steps::Quadratic);
+    let mut outcome = from_ends(closures, problem, &unknowns, Steps::Quadratic);
     // What an arm is off by makes small coefficients: the form of the arm that was meant has none, and fewer roots.
     let is_nearly_special = outcome.is_err()
         && if problem.target.is_any_turn() { model.nominal_to_tool_axis() } else { model.nominal() }
@@ -192,20 +203,21 @@ pub fn derive(model: &Model, problem: &Problem) -> Result<Derivation, Refusal> {
     if let (Err(Refusal::NoClosedForm), true) = (&outcome, whole) {
         outcome = around(model, problem, &unknowns);
         if outcome.is_err() && !is_nearly_special {
-            outcome = beside_parallels(model, problem, &unknowns);
+            outcome = beside_parallels(closures, problem, &unknowns);
         }
     } else if let (Err(Refusal::NoClosedForm), false) = (&outcome, is_nearly_special) {
-        outcome = from_ends(model, problem, &unknowns, Steps::Quartic);
+        outcome = from_ends(closures, problem, &unknowns, Steps::Quartic);
     }
     outcome
 }
 
 /// The same from behind the joint in the middle of the three that are beside three parallel axes.
 fn beside_parallels(
-    model: &Model,
+    closures: &mut Closures<'_>,
     problem: &Problem,
     unknowns: &unknowns::Unknowns,
 ) -> Result<Derivation, Refusal> {
+    let model = closures.model;
     let plain = model.chain();
     let joints = plain.joints.len();
     let is_parallel = |behind: &usize| {
@@ -215,9 +227,9 @@ fn beside_parallels(
     };
     for behind in (1..=joints).rev().filter(is_parallel) {
         let found = match behind {
-            1 => solve(model, problem, unknowns, Seen::FromTool, Steps::Quartic)
+            1 => solve(closures, problem, unknowns, Seen::FromTool, Steps::Quartic)
                 .map(|found| Derivation { begins: Begins::Tip, ..found }),
-            _ if behind == joints => solve(model, problem, unknowns, Seen::FromBase, Steps::Quartic),
+            _ if behind == joints => solve(closures, problem, unknowns, Seen::FromBase, Steps::Quartic),
             _ => between(model, problem, unknowns, behind),
         };
         if found.is_ok() {
@@ -255,14 +267,14 @@ fn between(
 
 /// The same from either end of the arm, where the target says as much seen from the tool.
 fn from_ends(
-    model: &Model,
+    closures: &mut Closures<'_>,
     problem: &Problem,
     unknowns: &unknowns::Unknowns,
     steps: Steps,
 ) -> Result<Derivation, Refusal> {
-    let outcome = solve(model, problem, unknowns, Seen::FromBase, steps);
+    let outcome = solve(closures, problem, unknowns, Seen::FromBase, steps);
     if let (Err(Refusal::NoClosedForm), Target::Pose | Target::Rotation) = (&outcome, problem.target) {
-        let from_tip = solve(model, problem, unknowns, Seen::FromTool, steps);
+        let from_tip = solve(closures, problem, unknowns, Seen::FromTool, steps);
         return from_tip.map(|found| Derivation { begins: Begins::Tip, ..found });
     }
     outcome
@@ -321,20 +333,17 @@ fn cut(
 
 /// The same from one end of the arm.
 fn solve(
-    model: &Model,
+    closures: &mut Closures<'_>,
     problem: &Problem,
     unknowns: &unknowns::Unknowns,
     seen: Seen,
     steps: Steps,
 ) -> Result<Derivation, Refusal> {
-    let mut arena = Arena::default();
-    let closure =
-        closure::build(&mut arena, model, problem.target, unknowns, seen).map_err(
-            |trouble| match trouble {
-                closure::Trouble::Overflow => Refusal::NoClosedForm,
-                closure::Trouble::Target => Refusal::NotByThisMethod,
-            },
-        )?;
+    let model = closures.model;
+    let (arena, closure) = closures.get(problem.target, unknowns, seen).map_err(|trouble| match trouble {
+        closure::Trouble::Overflow => Refusal::NoClosedForm,
+        closure::Trouble::Target => Refusal::NotByThisMethod,
+    })?;
     let samples = samples::draw(model, problem.target, unknowns, &closure.atoms);
     let open = closure::open(&closure.atoms, unknowns);
     let unknown = unknowns.to_find();

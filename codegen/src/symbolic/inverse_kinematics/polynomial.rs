@@ -202,6 +202,15 @@ impl Polynomial {
         }
     }
 
+    /// With its angles in another order: of each, the place where it was.
+    pub(super) fn in_order(&self, places: &[usize]) -> Self {
+        let terms = self.terms.iter().filter_map(|(key, number)| {
+            let frequency = places.iter().filter_map(|place| key.frequency.get(*place).copied()).collect();
+            normal(frequency, key.sine, key.monomial.clone(), *number)
+        });
+        Self { terms: terms.collect() }
+    }
+
     /// Replaces an angle by others: `angles[at]` = sum of coefficients * new angles, where the new angle at `at` is
     /// the one that takes its place.
     pub(super) fn substitute(&self, at: usize, coefficients: &[i16]) -> Outcome<Self> {

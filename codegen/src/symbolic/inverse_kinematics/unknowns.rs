@@ -92,6 +92,20 @@ impl Unknowns {
         given.fold(form.offset, |sum, (given, k)| sum.add_scaled(given.at_zero, k))
     }
 
+    /// The rows with none of the variables given and all of them base to tip, and which of these each was.
+    pub(super) fn base_to_tip(&self) -> (Self, Vec<usize>) {
+        let mut order: Vec<usize> = (0..self.free.len()).collect();
+        order.sort_by_key(|index| self.free.get(*index).map(|free| free.row));
+        let free = order.iter().filter_map(|index| self.free.get(*index));
+        let free = free.map(|free| Free { given: None, ..*free }).collect();
+        let form = |form: &Form| Form {
+            coefficients: order.iter().filter_map(|index| form.coefficients.get(*index).copied()).collect(),
+            offset: form.offset,
+        };
+        let rows = self.rows.iter().map(form).collect();
+        (Self { free, rows, joints: Vec::new() }, order)
+    }
+
     /// How many there are that the caller doesn't give.
     pub(super) fn to_find(&self) -> usize {
         self.free.iter().filter(|free| free.given.is_none()).count()
