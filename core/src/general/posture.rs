@@ -1,7 +1,7 @@
 //! Several sets of joint values at once, brought to one pose: by Newton's method where it converges as it should, else by
 //! damped steps.
 
-use super::wide::{LANES, Wide, cross, dot, solve};
+use super::wide::{LANES, Wide, cross, dot, dot_all, solve};
 use super::{FOUND, JOINTS, SixJoints};
 use crate::Frame;
 
@@ -134,13 +134,12 @@ impl Frames {
     #[inline]
     pub(super) fn compose(&self, frame: &Frame) -> Self {
         let [[a, b, c], [d, e, f], [g, h, i]] = frame.rotation;
-        let [x, y, z] = frame.translation;
         let mut product = *self;
-        for (to, [p, q, r]) in product.rotation.iter_mut().zip(self.rotation) {
-            *to = [p * a + q * d + r * g, p * b + q * e + r * h, p * c + q * f + r * i];
+        for (to, row) in product.rotation.iter_mut().zip(self.rotation) {
+            *to = [dot_all(row, [a, d, g]), dot_all(row, [b, e, h]), dot_all(row, [c, f, i])];
         }
-        for (to, [p, q, r]) in product.translation.iter_mut().zip(self.rotation) {
-            *to += p * x + q * y + r * z;
+        for (to, row) in product.translation.iter_mut().zip(self.rotation) {
+            *to += dot_all(row, frame.translation);
         }
         product
     }

@@ -1,9 +1,8 @@
 //! A trigonometric polynomial.
 
 use super::roots::Roots;
-use super::wide::Wide;
+use super::wide::{Wide, product_plus};
 use crate::Float;
-use core::ops::{Add, Mul, Sub};
 
 /// The greatest degree.
 pub(super) const MAX_DEGREE: usize = 12;
@@ -90,36 +89,34 @@ impl Waves {
     /// Value and two derivatives.
     pub(super) fn at(&self, x: f64) -> [f64; 3] {
         let (sin, cos) = Float::sin_cos(x);
-        self.at_direction(cos, sin, |x| x)
+        let further = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a * cos - b * sin + c, a * sin + b * cos + d];
+        let [[f, _], [second, first], [third, _]] = self.sums([0.0; 2], |c| c, further);
+        [f, -first, -(second + third + third)]
     }
 
     /// The same at several places at once.
     pub(super) fn at_all(&self, x: Wide) -> [Wide; 3] {
-        let (mut sin, mut cos) = (x, x);
+        let [mut cos, mut sin] = [x, x];
         for (sin, cos) in sin.0.iter_mut().zip(&mut cos.0) {
             (*sin, *cos) = Float::sin_cos(*sin);
         }
-        self.at_direction(cos, sin, Wide::all)
+        let of = |[a, b]: [f64; 2]| [Wide::all(a), Wide::all(b)];
+        let further = |by, plus| product_plus(by, [cos, sin], plus);
+        let [[f, _], [second, first], [third, _]] = self.sums([Wide::ZERO; 2], of, further);
+        [f, -first, -(second + third + third)]
     }
 
+    /// p, z p' and z² p'' / 2 of the polynomial p, by Horner's scheme, which needs a number times z = exp(ix), plus another:
+    /// f' = Re(i z p'), f'' = -Re(z p' + 2 z² p'' / 2).
     #[inline]
-    fn at_direction<T>(&self, cos: T, sin: T, of: impl Fn(f64) -> T) -> [T; 3]
-    where
-        T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>,
-    {
-        let zero = of(0.0);
-        let [mut p, mut d, mut e] = [[zero; 2]; 3];
-        let step = |[a, b]: [T; 2], [c, d]: [T; 2]| [a * cos - b * sin + c, a * sin + b * cos + d];
-        for [a, b] in self.coefficients.iter().take(self.degree + 1).rev() {
-            e = step(e, d);
-            d = step(d, p);
-            p = step(p, [of(*a), of(*b)]);
+    fn sums<T: Copy>(&self, zero: T, of: impl Fn([f64; 2]) -> T, further: impl Fn(T, T) -> T) -> [T; 3] {
+        let [mut p, mut d, mut e] = [zero; 3];
+        for coefficient in self.coefficients.iter().take(self.degree + 1).rev() {
+            e = further(e, d);
+            d = further(d, p);
+            p = further(p, of(*coefficient));
         }
-        // With z = exp(ix): f' = Re(i z p'), f'' = -Re(z p' + 2 z^2 p''/2).
-        let zd = [d[0] * cos - d[1] * sin, d[0] * sin + d[1] * cos];
-        let ze = [e[0] * cos - e[1] * sin, e[0] * sin + e[1] * cos];
-        let zze = ze[0] * cos - ze[1] * sin;
-        [p[0], zero - zd[1], zero - (zd[0] + zze + zze)]
+        [p, further(d, zero), further(further(e, zero), zero)]
     }
 
     /// Values, first and second derivatives in the middle of every cell, of one half turn and of the other.

@@ -119,10 +119,55 @@ impl SubAssign for Wide {
     }
 }
 
+/// Several operators in one, written out for the same reason.
+macro_rules! in_each {
+    (|$k:ident| $value:expr) => {
+        Wide([
+            in_each!($k = 0, $value),
+            in_each!($k = 1, $value),
+            in_each!($k = 2, $value),
+            in_each!($k = 3, $value),
+        ])
+    };
+    ($k:ident = $lane:literal, $value:expr) => {{
+        const $k: usize = $lane;
+        $value
+    }};
+}
+
+impl Wide {
+    /// Adds a product.
+    #[inline]
+    pub(super) fn add_product(&mut self, a: Self, b: Self) {
+        *self = in_each!(|K| self.0[K] + a.0[K] * b.0[K]);
+    }
+
+    /// Subtracts a product.
+    #[inline]
+    fn sub_product(&mut self, a: Self, b: Self) {
+        *self = in_each!(|K| self.0[K] - a.0[K] * b.0[K]);
+    }
+}
+
+/// A complex number times another, plus a third.
+#[inline]
+pub(super) fn product_plus([a, b]: [Wide; 2], [cos, sin]: [Wide; 2], [c, d]: [Wide; 2]) -> [Wide; 2] {
+    [
+        in_each!(|K| a.0[K] * cos.0[K] - b.0[K] * sin.0[K] + c.0[K]),
+        in_each!(|K| a.0[K] * sin.0[K] + b.0[K] * cos.0[K] + d.0[K]),
+    ]
+}
+
+/// The scalar product of a vector and one that all have in common.
+#[inline]
+pub(super) fn dot_all([p, q, r]: [Wide; 3], [a, b, c]: [f64; 3]) -> Wide {
+    in_each!(|K| p.0[K] * a + q.0[K] * b + r.0[K] * c)
+}
+
 /// The scalar product of two vectors.
 #[inline]
 pub(super) fn dot([a1, a2, a3]: [Wide; 3], [b1, b2, b3]: [Wide; 3]) -> Wide {
-    a1 * b1 + a2 * b2 + a3 * b3
+    in_each!(|K| a1.0[K] * b1.0[K] + a2.0[K] * b2.0[K] + a3.0[K] * b3.0[K])
 }
 
 /// The vector product of two vectors.
@@ -181,11 +226,11 @@ pub(super) fn solve<const ROWS: usize, const N: usize, const COLUMNS: usize>(
         for column in a.iter_mut().skip(k + 1) {
             let mut product = Wide::ZERO;
             for r in k..ROWS {
-                product += normal[r] * column[r];
+                product.add_product(normal[r], column[r]);
             }
             let product = product * factor;
             for r in k..ROWS {
-                column[r] += product * normal[r];
+                column[r].add_product(product, normal[r]);
             }
         }
     }
@@ -195,7 +240,7 @@ pub(super) fn solve<const ROWS: usize, const N: usize, const COLUMNS: usize>(
             let value = column[k] * inverses[k];
             column[k] = value;
             for r in 0..k {
-                column[r] -= upper[r] * value;
+                column[r].sub_product(upper[r], value);
             }
         }
     }
@@ -233,7 +278,7 @@ pub(super) fn eliminate<const N: usize, const COLUMNS: usize>(a: &mut [[Wide; CO
         for row in tail {
             let factor = row[k] * inverse;
             for c in k + 1..COLUMNS {
-                row[c] -= factor * top[c];
+                row[c].sub_product(factor, top[c]);
             }
         }
     }
@@ -245,7 +290,7 @@ pub(super) fn eliminate<const N: usize, const COLUMNS: usize>(a: &mut [[Wide; CO
         for row in above {
             let factor = row[k];
             for c in N..COLUMNS {
-                row[c] -= factor * solved[c];
+                row[c].sub_product(factor, solved[c]);
             }
         }
     }
